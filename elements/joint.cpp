@@ -49,6 +49,7 @@ const ElementRegistration kJointRegistration({
 
 JointElement::JointElement(const ElementContext& context)
     : transform_(std::make_shared<Transform>()),
+      point_(context.command.require("insert_at").value),
       motion_(rows_of<JointMotion>().read(context.attributes)),
       lower_(-kMaxCoordinate_m),
       upper_(kMaxCoordinate_m) {

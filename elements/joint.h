@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <simvis/element.h>
@@ -46,6 +47,9 @@ class JointElement : public Element, public Stateful {
   std::size_t follow(std::function<void(double value)> follower);
   void unfollow(std::size_t number) { followers_.erase(number); }
 
+  const JointMotion& motion() const { return motion_; }
+  /// The insertion point at which it stands, which moves with it.
+  const std::string& point() const { return point_; }
   /// Never null. Physics sets JointDriver::value, and empties it at its end.
   const std::shared_ptr<JointDriver>& driver() const { return driver_; }
   bool moves_itself() const override { return driver_->value != nullptr; }
@@ -63,6 +67,7 @@ class JointElement : public Element, public Stateful {
 
  private:
   std::shared_ptr<Transform> transform_;
+  std::string point_;
   JointMotion motion_;
   double lower_, upper_;         // deg or m
   double value_ = 0;             // deg or m

@@ -11,6 +11,7 @@
 #include "engine/base/words.h"
 #include "scenegraph/language/command_attributes.h"
 #include "scenegraph/language/pose_attribute.h"
+#include "scenegraph/language/topic_name.h"
 
 namespace simvis {
 namespace {
@@ -72,6 +73,19 @@ std::string prefix_of(const Command& command) {
   return command.scope == nullptr ? std::string() : command.scope->prefix;
 }
 
+namespace {
+
+// Puts the topics of an attribute `topics` below the prefix of a part, so that those of two equal robots differ.
+void add_namespace(std::string& topics, const std::string& prefix) {
+  constexpr std::string_view kIs = ":=";
+  const std::string space = topic_name(prefix, "");
+  for (std::size_t at = topics.find(kIs); at != topics.npos; at = topics.find(kIs, at + kIs.size())) {
+    topics.insert(at + kIs.size(), space.substr(0, space.find_last_not_of('/') + 1));
+  }
+}
+
+}  // namespace
+
 void prefix_names(std::vector<Command>& commands, const PartContent& content, const std::string& prefix) {
   std::set<std::pair<CommandKind, std::string>> own;
   for (const std::string& point : content.points) own.emplace(CommandKind::part, point);
@@ -96,6 +110,8 @@ void prefix_names(std::vector<Command>& commands, const PartContent& content, co
       if (attribute.name == "name") kind = command.kind;
       if (reference != kinds.end()) kind = referred_kind(reference->second);
       if (kind && own.contains({*kind, attribute.value})) attribute.value = prefix + attribute.value;
+      if (command.kind == CommandKind::sensor && attribute.name == "frame") attribute.value = prefix + attribute.value;
+      if (command.kind == CommandKind::sensor && attribute.name == "topics") add_namespace(attribute.value, prefix);
     }
   }
 }

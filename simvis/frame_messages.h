@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "exchange/messages/detections.h"
 #include "exchange/messages/from_events.h"
 #include "exchange/messages/from_pose.h"
 #include "exchange/messages/from_scan.h"
@@ -60,18 +62,25 @@ class FrameMessages {
 
   void check_names(const BuiltScene& scene);
   template <ros::Message M>
-  void add(const std::string& topic, M message, ros::Durability durability = ros::Durability::transient);
+  void add(const std::string& topic, M message, ros::Durability durability = ros::Durability::transient) {
+    if (!outlet_.wants<M>(topic, ros::TopicForm::own, durability)) return;
+    outlet_.add({.run = [=, time = time_.time_ns, message = std::move(message)](ros::MessageSink& sink) {
+      sink.write(topic, time, message, durability);
+    }});
+  }
   void add_objects(const Frame& frame);
   void add_bodies(std::span<const PlacedSensor> sensors);
   void add_poses(std::span<const PlacedSensor> sensors);
   void add_measurements(std::span<const PlacedSensor> sensors);
+  void add_measurement(const PlacedSensor& placed);  // sensor_messages.cpp
   void add_parameters(const Parameters& parameters);
   void add_descriptions(const BuiltScene& scene);
   void add_warnings(const std::vector<std::string>& warnings);
 
   ros::MessageOutlet& outlet_;
   std::string node_;
-  FrameTime time_;  // of the frame that is being added
+  FrameTime time_;                                // of the frame that is being added
+  std::function<ros::ClassNames()> class_names_;  // of that frame; valid while it is added
   FrameTree frames_;
   ros::Transforms transforms_;
   std::map<std::string, Body> bodies_;

@@ -151,4 +151,15 @@ std::optional<glm::dvec3> Lens::direction(const glm::dvec2& pixel) const {
   return glm::dvec3(0);
 }
 
+std::optional<Lens> lens_of(const Pinhole& pinhole, std::string_view distortion_model, std::span<const double> c) {
+  if (distortion_model == "equidistant" && c.size() == 4) {
+    return Lens({.kind = LensKind::kannala_brandt, .pinhole = pinhole, .k = {c[0], c[1], c[2], c[3]}});
+  }
+  if (distortion_model == "plumb_bob" && c.size() == 5) {
+    return Lens(
+        {.kind = LensKind::brown_conrady, .pinhole = pinhole, .k = {c[0], c[1], c[4], 0}, .p1 = c[2], .p2 = c[3]});
+  }
+  return std::nullopt;
+}
+
 }  // namespace simvis

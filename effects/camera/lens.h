@@ -21,6 +21,8 @@
 #include <glm/glm.hpp>
 #include <numbers>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include <simvis/frame_plan.h>
 
@@ -67,5 +69,10 @@ class Lens {
   double limit_rad_;  // the largest angle of the model
   double fold_rad_;   // the angle of the fold, at most limit_rad_
 };
+
+/// The lens of a calibration: `distortion_model` is its name in ROS, with the coefficients in the order of ROS. Empty:
+/// it is none of LensKind.
+std::optional<Lens> lens_of(const Pinhole& pinhole, std::string_view distortion_model,
+                            std::span<const double> coefficients);
 
 }  // namespace simvis

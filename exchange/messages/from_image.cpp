@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "exchange/messages/cloud.h"
 #include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
 
@@ -130,6 +131,25 @@ CameraInfo camera_info(const CameraCalibration& calibration, const Header& heade
   const double tx = calibration.baseline_m == 0 ? 0.0 : -fx * calibration.baseline_m;
   message.p = {fx, 0, cx, tx, 0, fy, cy, 0, 0, 0, 1, 0};
   return message;
+}
+
+PointCloud2 depth_cloud(std::span<const glm::dvec3> points, std::uint32_t height, const ImageSpan* color,
+                        const Header& header, bool dense) {
+  // The sizes of PCL's PointXYZRGB and PointXYZ.
+  constexpr std::uint32_t kColorAt = 16, kColoredStep = 32, kStep = 16;
+  constexpr CloudField kColorField[] = {{"rgb", kFloat32, kColorAt}};
+  if (color == nullptr) {
+    PointCloud2 cloud = empty_cloud(header, {}, kStep);
+    fill_cloud(cloud, points, height, dense, [](std::size_t, std::uint8_t*) {});
+    return cloud;
+  }
+  SIMVIS_ASSERT(std::size_t{color->width} * color->height == points.size());
+  const std::vector<std::uint8_t> codes = srgb_codes(*color);
+  PointCloud2 cloud = empty_cloud(header, kColorField, kColoredStep);
+  fill_cloud(cloud, points, height, dense, [&](std::size_t i, std::uint8_t* point) {
+    put(point, kColorAt, std::uint32_t{codes[3 * i]} << 16 | std::uint32_t{codes[3 * i + 1]} << 8 | codes[3 * i + 2]);
+  });
+  return cloud;
 }
 
 DisparityImage disparity_image(const ImageSpan& disparity, const CameraCalibration& right, const Header& header) {

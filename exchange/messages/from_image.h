@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <string_view>
 
@@ -31,6 +32,12 @@ CompressedImage compressed_depth(const ImageSpan& depth, const Header& header);
 /// Pixel centres are at whole numbers, as ROS counts them. There is no rectification, and P is also that of a distorted
 /// image.
 CameraInfo camera_info(const CameraCalibration& calibration, const Header& header);
+
+/// The points of a depth image, as optical_points() gives them, in `height` rows. With the colour of the same pixels
+/// (null: there is none) the cloud has the field "rgb" in PCL's layout: at 16, the bytes of 0x00RRGGBB (sRGB) as
+/// float32. A pixel without a depth is NaN; with `dense` it is left out, and the cloud has one row.
+PointCloud2 depth_cloud(std::span<const glm::dvec3> points, std::uint32_t height, const ImageSpan* color,
+                        const Header& header, bool dense);
 
 /// `right` is the calibration of the right camera, with its baseline. Exact disparities: delta_d is 0, and 0 pixels is
 /// infinitely far, where nothing is hit.

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <vector>
 
 #include "engine/base/assert.h"
+#include "exchange/messages/cloud.h"
 #include "exchange/messages/from_pose.h"
 
 namespace simvis::ros {
 
 namespace {
 
-constexpr std::uint8_t kFloat32Field = 7, kFloat64Field = 8, kKnownDiagonal = 2;
+constexpr std::uint8_t kKnownDiagonal = 2;
 constexpr std::int8_t kNoFix = -1, kFix = 0;
 constexpr std::uint16_t kGps = 1;
 /// REP 105: the frame in which a robot's own motion is added up.
@@ -38,8 +38,14 @@ std::array<double, 9> diagonal(double all) { return diagonal(all, all, all); }
 Imu to_imu(const Reading& reading, const Header& header) {
   Imu message;
   message.header = header;
-  message.orientation.w = 1;
-  message.orientation_covariance[0] = -1;
+  if (reading.find("qw")) {
+    message.orientation = {value_of(reading, "qx"), value_of(reading, "qy"), value_of(reading, "qz"),
+                           value_of(reading, "qw")};
+    message.orientation_covariance = diagonal(constant_of(reading, "orientation_variance"));
+  } else {
+    message.orientation.w = 1;
+    message.orientation_covariance[0] = -1;
+  }
   message.angular_velocity = vector_of(reading, "angular_velocity", "rad_s");
   message.angular_velocity_covariance = diagonal(constant_of(reading, "angular_velocity_variance"));
   message.linear_acceleration = vector_of(reading, "specific_force", "m_s2");
@@ -57,6 +63,20 @@ NavSatFix to_fix(const Reading& reading, const Header& header) {
   const double horizontal = constant_of(reading, "horizontal_variance");
   message.position_covariance = diagonal(horizontal, horizontal, constant_of(reading, "vertical_variance"));
   message.position_covariance_type = horizontal > 0 ? kKnownDiagonal : 0;
+  return message;
+}
+
+// Receivers measure no turn: -1, as ublox_gps has it.
+TwistWithCovarianceStamped to_twist(const Reading& reading, const Header& header) {
+  constexpr std::size_t kRow = 6;
+  TwistWithCovarianceStamped message;
+  message.header = header;
+  message.twist.twist.linear = {value_of(reading, "velocity_east_m_s"), value_of(reading, "velocity_north_m_s"),
+                                value_of(reading, "velocity_up_m_s")};
+  for (std::size_t i = 0; i < 3; ++i) {
+    message.twist.covariance[i * (kRow + 1)] = constant_of(reading, "velocity_variance");
+  }
+  message.twist.covariance[3 * (kRow + 1)] = -1;
   return message;
 }
 
@@ -157,21 +177,20 @@ PointCloud2 to_cloud(const Reading& reading, const Header& header) {
   for (const MeasuredArray& column : reading.arrays) {
     const bool is_place = is_coordinate(column);
     are_places.push_back(is_place);
-    cloud.fields.push_back({is_place ? column.name.substr(0, 1) : column.name, cloud.point_step,
-                            is_place ? kFloat32Field : kFloat64Field, 1});
+    cloud.fields.push_back(
+        {is_place ? column.name.substr(0, 1) : column.name, cloud.point_step, is_place ? kFloat32 : kFloat64, 1});
     cloud.point_step += is_place ? sizeof(float) : sizeof(double);
   }
   cloud.row_step = cloud.point_step * cloud.width;
   cloud.data.resize(std::size_t{cloud.point_step} * reading.rows());
   const std::vector<double>& values = reading.values();
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double value = values[i];
-    const float single = static_cast<float>(value);
-    std::uint8_t* const at = cloud.data.data() + i / columns * cloud.point_step + cloud.fields[i % columns].offset;
+    std::uint8_t* const point = cloud.data.data() + i / columns * cloud.point_step;
+    const std::uint32_t offset = cloud.fields[i % columns].offset;
     if (are_places[i % columns]) {
-      std::memcpy(at, &single, sizeof single);
+      put(point, offset, static_cast<float>(values[i]));
     } else {
-      std::memcpy(at, &value, sizeof value);
+      put(point, offset, values[i]);
     }
   }
   cloud.is_dense = std::ranges::none_of(values, [](double value) { return std::isnan(value); });
@@ -195,6 +214,7 @@ constexpr ReadingMessageType row(std::string_view topic) {
 constexpr ReadingMessageType kReadingMessages[] = {
     row<Imu, to_imu>("imu"),
     row<NavSatFix, to_fix>("fix"),
+    row<TwistWithCovarianceStamped, to_twist>("fix_velocity"),
     row<MagneticField, to_field>("magnetic_field"),
     row<FluidPressure, to_pressure>("pressure"),
     row<Range, to_range>("range"),

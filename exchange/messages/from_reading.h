@@ -1,8 +1,10 @@
 // Messages from readings: the one place that says which columns and constants of a reading each message uses.
 //
 //   sensor_msgs/msg/Imu            imu: angular_velocity_{x,y,z}_rad_s, specific_force_{x,y,z}_m_s2;
-//                                  angular_velocity_variance, specific_force_variance
+//                                  angular_velocity_variance, specific_force_variance; of an orientation qx, qy, qz,
+//                                  qw and orientation_variance
 //   sensor_msgs/msg/NavSatFix      fix: latitude_deg, longitude_deg, altitude_m; horizontal_variance, vertical_variance
+//   geometry_msgs/msg/TwistWithCovarianceStamped  fix_velocity: velocity_{east,north,up}_m_s; velocity_variance
 //   sensor_msgs/msg/MagneticField  magnetic_field: field_{x,y,z}_t; field_variance
 //   sensor_msgs/msg/FluidPressure  pressure: pressure_pa; pressure_variance
 //   sensor_msgs/msg/Range          range: range_m; field_of_view_rad, range_min_m, range_max_m, radiation_type,
@@ -35,8 +37,8 @@ namespace simvis::ros {
 /// A message, and the last part of its topic.
 struct ReadingMessage {
   std::string_view topic;
-  std::variant<Imu, NavSatFix, MagneticField, FluidPressure, Range, JointState, Illuminance, Odometry, WrenchStamped,
-               PointCloud2>
+  std::variant<Imu, NavSatFix, TwistWithCovarianceStamped, MagneticField, FluidPressure, Range, JointState, Illuminance,
+               Odometry, WrenchStamped, PointCloud2>
       message;
 };
 

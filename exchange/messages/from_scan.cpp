@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 
+#include "exchange/messages/cloud.h"
 #include "exchange/messages/from_pose.h"
 
 namespace simvis::ros {
@@ -18,8 +18,6 @@ constexpr double kEvenAngle_rad = 1e-9;
 // The same limit for the times of beams: a time_s is computed in double from numbers of at most days.
 constexpr double kEvenTime_s = 1e-9;
 
-constexpr std::uint8_t kUint16 = 4, kFloat32 = 7, kFloat64 = 8;
-
 /// The step from one value to the next, if all are `step` apart within `tolerance`.
 template <typename Values>
 std::optional<double> even_step(const Values& values, double tolerance) {
@@ -31,27 +29,13 @@ std::optional<double> even_step(const Values& values, double tolerance) {
   return step;
 }
 
-/// When the first beam was sent, below 0 if that was before time 0; the time of the scan if it says nothing of that.
-/// In whole nanoseconds, so that times behind it are not negative.
-std::int64_t first_beam_ns(const Scan& scan) {
-  const SharedNumbers<double> times_s = scan.channel("time_s");
-  if (times_s.empty()) return scan.time_ns;
-  return static_cast<std::int64_t>(std::floor(*std::ranges::min_element(times_s) * 1e9));
-}
-
-/// The stamp of a message: that of the first beam. No stamp is before time 0, so a scan that began earlier has stamp 0;
-/// the times of its beams count from the first one as always.
-std::int64_t stamp_ns(const Scan& scan) { return std::max<std::int64_t>(first_beam_ns(scan), 0); }
-
 /// As REP 117 says it of a range that is 0 for too near.
 float reported(double range_m) {
   return range_m == 0 ? -std::numeric_limits<float>::infinity() : static_cast<float>(range_m);
 }
 
 struct CloudColumn {
-  std::string name;
-  std::uint8_t datatype;
-  std::uint32_t offset;
+  CloudField field;
   const MeasuredArray* channel;
   double minus = 0;
 };
@@ -60,8 +44,13 @@ struct CloudColumn {
 std::vector<CloudColumn> channel_columns(const Scan& scan, std::uint32_t& step) {
   std::vector<CloudColumn> columns;
   for (const MeasuredArray& channel : scan.channels()) {
-    const bool time = channel.name == "time_s", single = time || channel.name == "intensity";
-    columns.push_back({time ? "time" : channel.name, single ? kFloat32 : kFloat64, step, &channel,
+    const bool time = channel.name == "time_s", speed = channel.name == kTrueRadialSpeed;
+    const bool single = time || speed || channel.name == "intensity";
+    columns.push_back({{time    ? "time"
+                        : speed ? "radial_speed"
+                                : std::string_view(channel.name),
+                        single ? kFloat32 : kFloat64, step},
+                       &channel,
                        time ? static_cast<double>(first_beam_ns(scan)) / 1e9 : 0});
     step += single ? sizeof(float) : sizeof(double);
   }
@@ -76,12 +65,23 @@ void turn_around(LaserScan& message) {
   std::ranges::reverse(message.intensities);
 }
 
-template <typename T>
-void put(std::uint8_t* point, std::uint32_t offset, T value) {
-  std::memcpy(point + offset, &value, sizeof value);
+}  // namespace
+
+std::int64_t first_beam_ns(const Scan& scan) {
+  const SharedNumbers<double> times_s = scan.channel("time_s");
+  if (times_s.empty()) return scan.time_ns;
+  return static_cast<std::int64_t>(std::floor(*std::ranges::min_element(times_s) * 1e9));
 }
 
-}  // namespace
+std::int64_t stamp_ns(const Scan& scan) { return std::max<std::int64_t>(first_beam_ns(scan), 0); }
+
+std::vector<glm::dvec3> returned_points(const Scan& scan) {
+  std::vector<glm::dvec3> points = scan.points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (scan.range_m[i] == 0) points[i] = glm::dvec3(std::numeric_limits<double>::quiet_NaN());
+  }
+  return points;
+}
 
 std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_id, const RangeLimits& limits,
                                     double scan_time_s) {
@@ -107,41 +107,22 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
   return message;
 }
 
-PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
-  PointCloud2 cloud;
-  cloud.header = header_of(stamp_ns(scan), frame_id);
-  cloud.height = scan.rings;
-  cloud.width = scan.beams;
+PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id, bool dense) {
   constexpr std::uint32_t kBoundAt = 3 * sizeof(float), kRingAt = 4 * sizeof(float);
   std::uint32_t step = kRingAt + sizeof(std::uint16_t);
   const std::vector<CloudColumn> columns = channel_columns(scan, step);
-  cloud.fields = {{"x", 0, kFloat32, 1},
-                  {"y", sizeof(float), kFloat32, 1},
-                  {"z", 2 * sizeof(float), kFloat32, 1},
-                  {"error_bound_m", kBoundAt, kFloat32, 1},
-                  {"ring", kRingAt, kUint16, 1}};
-  for (const CloudColumn& column : columns) cloud.fields.push_back({column.name, column.offset, column.datatype, 1});
-  cloud.point_step = step;
-  cloud.row_step = step * scan.beams;
-  cloud.data.resize(scan.range_m.size() * step);
-  cloud.is_dense = true;
-  const std::vector<glm::dvec3> points = scan.points();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    std::uint8_t* const point = cloud.data.data() + i * step;
-    const bool hit = std::isfinite(scan.range_m[i]) && scan.range_m[i] != 0;
-    cloud.is_dense = cloud.is_dense && hit;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto at = static_cast<std::uint32_t>(axis) * static_cast<std::uint32_t>(sizeof(float));
-      put(point, at, hit ? static_cast<float>(points[i][axis]) : std::numeric_limits<float>::quiet_NaN());
-    }
+  std::vector<CloudField> fields = {{"error_bound_m", kFloat32, kBoundAt}, {"ring", kUint16, kRingAt}};
+  for (const CloudColumn& column : columns) fields.push_back(column.field);
+  PointCloud2 cloud = empty_cloud(header_of(stamp_ns(scan), frame_id), fields, step);
+  fill_cloud(cloud, returned_points(scan), scan.rings, dense, [&](std::size_t i, std::uint8_t* point) {
     put(point, kBoundAt, scan.error_bound_m[i]);
     put(point, kRingAt, static_cast<std::uint16_t>(scan.ring_of(i)));
     for (const CloudColumn& column : columns) {
       const double value = column.channel->number(i) - column.minus;
-      if (column.datatype == kFloat64) put(point, column.offset, value);
-      if (column.datatype == kFloat32) put(point, column.offset, static_cast<float>(value));
+      if (column.field.datatype == kFloat64) put(point, column.field.offset, value);
+      if (column.field.datatype == kFloat32) put(point, column.field.offset, static_cast<float>(value));
     }
-  }
+  });
   return cloud;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,6 +34,17 @@ inline std::uint8_t quantised_reflectivity(const Scan& scan, const SharedNumbers
   if (intensity.empty() || !(range_m > 0) || !std::isfinite(range_m)) return 0;
   const double reflectivity = calibrated_reflectivity(intensity[i], range_m);
   return reflectivity > 0 ? static_cast<std::uint8_t>(reflectivity) : 0;  // a plug-in may give NaN
+}
+
+/// Photons of a device for an intensity of 1 / m^2. No device states such a number: this one leaves a white wall at
+/// 1 m, perpendicular to the beam, in 16 bits.
+inline constexpr double kSignalUnit = 10000;
+
+/// The intensity of beam i in photons; 0 without intensities.
+inline std::uint16_t quantised_signal(const SharedNumbers<double>& intensity, std::size_t i) {
+  if (intensity.empty()) return 0;
+  const double photons = std::round(kSignalUnit * intensity[i]);
+  return static_cast<std::uint16_t>(photons >= 0xffff ? 0xffff : photons > 0 ? photons : 0);
 }
 
 }  // namespace simvis

@@ -92,14 +92,8 @@ class OusterEncoder {
     const std::uint32_t range_mm = quantised_range(range_m > 0 ? range_m + reach_m_ : 0, 0.001, kOusterMaxRange_mm);
     append_binary(bytes, range_mm);
     append_binary(bytes, static_cast<std::uint16_t>(range_mm > 0 ? quantised_reflectivity(scan_, intensity_, i) : 0));
-    append_binary(bytes, range_mm > 0 ? signal(i) : std::uint16_t{0});
+    append_binary(bytes, range_mm > 0 ? quantised_signal(intensity_, i) : std::uint16_t{0});
     append_binary(bytes, std::uint32_t{0});
-  }
-
-  std::uint16_t signal(std::size_t i) const {
-    if (intensity_.empty()) return 0;
-    const double photons = std::round(kSignalUnit * intensity_[i]);
-    return static_cast<std::uint16_t>(photons >= 0xffff ? 0xffff : photons > 0 ? photons : 0);
   }
 
   std::int64_t fired_ns(std::uint32_t beam) const {

@@ -19,10 +19,6 @@
 
 namespace simvis {
 
-/// Photons of a device for an intensity of 1 / m^2. No device states such a number: this one leaves a white wall at
-/// 1 m, perpendicular to the beam, in 16 bits.
-inline constexpr double kSignalUnit = 10000;
-
 /// The layout of a data packet: columns, and the bytes of its parts. The maximum is the largest range of a pixel.
 inline constexpr std::uint32_t kOusterColumns = 16;
 inline constexpr std::size_t kOusterHeaderBytes = 32, kOusterColumnHeaderBytes = 12, kOusterPixelBytes = 12,

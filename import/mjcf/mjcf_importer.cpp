@@ -14,7 +14,9 @@
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include "engine/base/read_fence.h"
+#include "import/mesh/picture_file.h"
 #include "import/mjcf/mjcf_attachments.h"
+#include "import/mjcf/mjcf_cameras.h"
 #include "import/mjcf/mjcf_dynamics.h"
 #include "import/mjcf/mjcf_geoms.h"
 #include "import/mjcf/mjcf_joints.h"
@@ -57,6 +59,7 @@ class MjcfImport {
     content.commands = frames_.joint_commands(content.warnings);
     for (std::string& light : lights_.commands(*tree_, elements_.add("sky")))
       content.commands.push_back(std::move(light));
+    std::ranges::move(cameras_, std::back_inserter(content.commands));
     for (const MjcfModel& model : tree_->models)
       std::ranges::copy(model.warnings(), std::back_inserter(content.warnings));
     std::ranges::move(report_.release(), std::back_inserter(content.warnings));
@@ -147,8 +150,7 @@ class MjcfImport {
         add_point(child, "site", mjcf_pose(child), inside);
       } else if (tag == "camera") {
         // A camera of MuJoCo looks along -z with y up, a sensor of SimVis along x with z up.
-        add_point(child, "camera", mjcf_pose(child) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1),
-                  inside);
+        add_camera(child, mjcf_pose(child) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1), inside);
       } else if (tag == "light") {
         const std::string own = child.written("name").value_or("light");
         lights_.add({child, elements_.add(inside.name(own)), inside.prefix, inside.body, inside.body_from_frame});
@@ -216,6 +218,17 @@ class MjcfImport {
     frames_.add({.name = kind, .parent = inside.frame, .steps = {{.place = place, .point = point}}});
   }
 
+  void add_camera(const MjcfElement& camera, const glm::dmat4& place, const Inside& inside) {
+    const std::string own = camera.written("name").value_or("");
+    const std::string point = points_.add(inside.name(own.empty() ? "camera" : own));
+    frames_.add({.name = "camera", .parent = inside.frame, .steps = {{.place = place, .point = point}}});
+    try {
+      cameras_.push_back(mjcf_camera_command(camera, point, report_));
+    } catch (const InputError& error) {
+      report_.warn(without_word_error(error.what()) + "; the camera is left out");
+    }
+  }
+
   // { place, for each joint its anchor and its point, the body's point, content }
   void add_body(const MjcfElement& body, const Inside& inside) {
     const auto written = body.written("name");
@@ -271,6 +284,7 @@ class MjcfImport {
   std::vector<const MjcfModel*> open_{&model_};  // models that stand around what is read
   int replicates_ = 0;
   std::size_t attached_ = 0, content_ = 0;
+  std::vector<std::string> cameras_;  // commands
   std::set<std::pair<const MjcfModel*, std::string>> members_;
   ModelFrames frames_{model_.name()};
   std::map<std::string, std::pair<std::size_t, std::size_t>> placed_;  // joints by their names: frame and step

@@ -24,6 +24,7 @@ class FileCommand {
   void add(const char* name, const glm::dvec3& v) {
     add(name, format_number(v.x) + " " + format_number(v.y) + " " + format_number(v.z));
   }
+  const std::string& type() const { return command_.attributes.front().value; }
   std::string text() const { return to_string(command_); }
 
  private:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/glm.hpp>
+#include <memory>
 #include <pugixml.hpp>
 #include <span>
 #include <string>
@@ -18,7 +19,7 @@ namespace simvis {
 
 /// One file of a world. It lives as long as the elements that refer to it.
 struct SdfFile {
-  XmlText text;
+  std::shared_ptr<const XmlText> text;
   PackageFiles packages;  ///< as seen from this file
   int version;            ///< of the format: 6 is SDF 1.6
 };
@@ -41,7 +42,7 @@ class SdfElement {
   /// All children that are elements.
   std::vector<SdfElement> children() const;
 
-  Location at() const { return file_->text.at(node_); }
+  Location at() const { return file_->text->at(node_); }
   /// Throws InputError "FILE:LINE:COLUMN: error: element <TAG> MESSAGE".
   [[noreturn]] void fail(std::string_view message) const;
 

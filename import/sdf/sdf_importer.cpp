@@ -19,6 +19,7 @@
 #include "import/sdf/sdf_dynamics.h"
 #include "import/sdf/sdf_joints.h"
 #include "import/sdf/sdf_labels.h"
+#include "import/sdf/sdf_messages.h"
 #include "import/sdf/sdf_readings.h"
 #include "import/sdf/sdf_visuals.h"
 
@@ -39,6 +40,9 @@ class SdfImport {
     for (const auto& item : sdf_.world.items) name_models(*item, "");
     tree_ = make_sdf_tree(sdf_, poses_, names_, report_);
     read_sdf_joints(tree_, poses_, report_);
+    std::set<std::string> points;
+    for (const auto& link : tree_.links) points.insert(link->point);
+    messages_ = SdfMessages(std::move(points));
     for (const auto& item : sdf_.world.items) add_model(sdf_.world, *item, 0);
     add_world_commands();
     visuals_.shown().require(sdf_.is_single_model);
@@ -196,7 +200,8 @@ class SdfImport {
 
   void add_sensor(const SdfLink& link, const SdfElement& sensor) {
     const SdfPlace place{names_.sensor(link.prefix + link.item->name, sensor.name()), link.point};
-    auto command = sdf_sensor_command(sensor, sdf_.first, place, sdf_place_in(link, sensor, poses_), report_);
+    auto command =
+        sdf_sensor_command(sensor, sdf_.first, place, sdf_place_in(link, sensor, poses_), messages_, report_);
     if (command) sensors_.push_back(std::move(*command));
   }
 
@@ -234,6 +239,7 @@ class SdfImport {
   SdfTree& tree_ = document_->tree;
   SdfVisuals visuals_;
   std::map<const SdfItem*, std::string> model_points_;
+  SdfMessages messages_;
   std::set<const SdfScope*> labelled_;  // models as a whole
   ModelFrames frames_{request_.file.stem().string()};
   std::vector<std::string> lights_, sensors_, labels_;

@@ -19,7 +19,7 @@ constexpr int kFirstSdfVersion = 2;
 constexpr std::string_view kModel = "model://", kFile = "file://";
 
 SdfElement root_of(SdfFile& file) {
-  const pugi::xml_node root = file.text.document().document_element();
+  const pugi::xml_node root = file.text->document().document_element();
   return {root, file};
 }
 
@@ -159,9 +159,9 @@ SdfFile& SdfReader::open(const std::filesystem::path& file) {
   std::filesystem::path key = std::filesystem::canonical(file, error);
   if (error) key = file;
   if (const auto known = known_.find(key); known != known_.end()) return *known->second;
-  XmlText text = XmlText::read(file);
-  const int version = minor_version(text.document().document_element().attribute("version").value());
-  content_.files.push_back(std::make_unique<SdfFile>(SdfFile{std::move(text), files_.as_seen_from(file), version}));
+  const auto text = std::make_shared<const XmlText>(XmlText::read(file));
+  const int version = minor_version(text->document().document_element().attribute("version").value());
+  content_.files.push_back(std::make_unique<SdfFile>(SdfFile{text, files_.as_seen_from(file), version}));
   known_[key] = content_.files.back().get();
   return *content_.files.back();
 }

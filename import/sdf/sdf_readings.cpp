@@ -66,8 +66,8 @@ void add_origin(const SdfElement& world, SdfCommand& command, ImportReport& repo
 
 }  // namespace
 
-std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
-                                               const glm::dmat4& point_from_sensor, ImportReport& report) {
+std::optional<SdfCommand> sdf_reading_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
+                                              const glm::dmat4& point_from_sensor, ImportReport& report) {
   const std::string type = sensor.attribute("type");
   const auto begin = [&](const char* own) {
     SdfCommand command(CommandKind::sensor, own, place);
@@ -82,7 +82,7 @@ std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const S
     const SdfElement imu = sensor.child("imu");
     add_axis_noise(imu.child("angular_velocity"), "gyroscope_", command, report);
     add_axis_noise(imu.child("linear_acceleration"), "accelerometer_", command, report);
-    return command.text();
+    return command;
   }
   if (type == "navsat" || type == "gps") {
     SdfCommand command = begin("gnss");
@@ -91,32 +91,32 @@ std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const S
     add_noise(own.child("position_sensing").child("horizontal").child("noise"), "horizontal_", command, report);
     add_noise(own.child("position_sensing").child("vertical").child("noise"), "vertical_", command, report);
     add_noise(own.child("velocity_sensing").child("horizontal").child("noise"), "velocity_", command, report);
-    return command.text();
+    return command;
   }
   if (type == "magnetometer") {
     SdfCommand command = begin("magnetometer");
     if (const SdfElement field = world.child("magnetic_field")) command.add("field", field.vector(glm::dvec3(0)));
     add_axis_noise(sensor.child("magnetometer"), "", command, report);
-    return command.text();
+    return command;
   }
   if (type == "air_pressure") {
     SdfCommand command = begin("barometer");
     const SdfElement own = sensor.child("air_pressure");
     if (const SdfElement altitude = own.child("reference_altitude")) command.add("elevation", altitude.number(0));
     add_noise(own.child("pressure").child("noise"), "", command, report);
-    return command.text();
+    return command;
   }
   if (type == "contact") {
     SdfCommand command = begin("contact");
     command.add("without_physics", "nothing");
-    return command.text();
+    return command;
   }
   if (type == "altimeter") {
     SdfCommand command = begin("altimeter");
     const SdfElement own = sensor.child("altimeter");
     add_noise(own.child("vertical_position").child("noise"), "vertical_position_", command, report);
     add_noise(own.child("vertical_velocity").child("noise"), "vertical_velocity_", command, report);
-    return command.text();
+    return command;
   }
   return std::nullopt;
 }

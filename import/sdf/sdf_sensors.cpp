@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <iterator>
 #include <numbers>
 #include <string_view>
 
@@ -9,6 +10,7 @@
 #include "import/sdf/sdf_command.h"
 #include "import/sdf/sdf_labels.h"
 #include "import/sdf/sdf_lens.h"
+#include "import/sdf/sdf_messages.h"
 #include "import/sdf/sdf_readings.h"
 
 namespace simvis {
@@ -107,12 +109,12 @@ void add_picture_noise(const SdfElement& noise, SdfCommand& command, ImportRepor
   command.add("read_noise_e", std::min(deviation, 1.0) * kNoiselessWell_e);
 }
 
-std::optional<std::string> camera_command(const SdfElement& sensor, std::string_view outputs, bool is_wide_angle,
-                                          const SdfPlace& place, const glm::dmat4& point_from_sensor,
-                                          ImportReport& report) {
+// A sensor with the picture and the lens of a <camera>.
+SdfCommand pixel_command(const SdfElement& sensor, const char* type, std::string_view outputs, bool is_wide_angle,
+                         const SdfPlace& place, const glm::dmat4& point_from_sensor, ImportReport& report) {
   const SdfElement camera = sensor.child("camera");
   if (!camera) sensor.fail("has no <camera>");
-  SdfCommand command(CommandKind::sensor, "camera", place);
+  SdfCommand command(CommandKind::sensor, type, place);
   add_sensor_pose(point_from_sensor * read_sdf_pose(camera).matrix, command);
   const SdfElement image = camera.child("image"), lens = camera.child("lens");
   const double width = image ? whole(image, "width", 320, kMaxPixels) : 320;
@@ -137,11 +139,12 @@ std::optional<std::string> camera_command(const SdfElement& sensor, std::string_
   }
   add_rate(sensor, command);
   add_visibility_mask(camera, command);
-  if (outputs.starts_with("color")) add_picture_noise(camera.child("noise"), command, report);
-  if (outputs == "depth" && gaussian(camera.child("noise"), report) > 0) {
-    report.leave_out("noise of a depth camera", camera.child("noise").at());
+  const bool has_color = std::string_view(type) == "camera" && outputs.starts_with("color");
+  if (has_color) add_picture_noise(camera.child("noise"), command, report);
+  if (!has_color && gaussian(camera.child("noise"), report) > 0) {
+    report.leave_out("noise of a camera without colour", camera.child("noise").at());
   }
-  return command.text();
+  return command;
 }
 
 struct ScanAxis {
@@ -165,8 +168,8 @@ ScanAxis scan_axis(const SdfElement& axis, double largest, double turn_deg) {
   return scan;
 }
 
-std::optional<std::string> scanner_command(const SdfElement& sensor, const SdfPlace& place,
-                                           const glm::dmat4& point_from_sensor, ImportReport& report) {
+SdfCommand scanner_command(const SdfElement& sensor, const SdfPlace& place, const glm::dmat4& point_from_sensor,
+                           ImportReport& report) {
   const SdfElement ray = sensor.child("ray") ? sensor.child("ray") : sensor.child("lidar");
   if (!ray) sensor.fail("has no <ray> or <lidar>");
   const SdfElement scan = ray.child("scan"), range = ray.child("range");
@@ -194,7 +197,52 @@ std::optional<std::string> scanner_command(const SdfElement& sensor, const SdfPl
   if (noise_m > 0) command.add("range_noise", noise_m);
   add_rate(sensor, command);
   add_visibility_mask(ray, command);
-  return command.text();
+  return command;
+}
+
+// The sensors of SDF that are cameras here: their types, and what the camera measures.
+struct CameraType {
+  std::string_view name;
+  const char* type;
+  std::string_view outputs;
+};
+constexpr CameraType kCameraTypes[] = {
+    {"camera", "camera", "color"},
+    {"wideanglecamera", "camera", "color"},
+    {"wide_angle_camera", "camera", "color"},
+    {"depth", "camera", "depth"},
+    {"depth_camera", "camera", "depth"},
+    {"rgbd", "camera", "color depth"},
+    {"rgbd_camera", "camera", "color depth"},
+    {"segmentation", "camera", "semantic instance"},
+    {"segmentation_camera", "camera", "semantic instance"},
+    {"boundingbox", "camera", "color boxes"},
+    {"boundingbox_camera", "camera", "color boxes"},
+    {"thermal", "thermal_camera", "raw16 temperature"},
+    {"thermal_camera", "thermal_camera", "raw16 temperature"},
+};
+
+// What a depth camera of Gazebo classic publishes has colour too.
+bool publishes_color(const SdfElement& sensor) {
+  return std::ranges::any_of(sensor.children(), [](const SdfElement& child) {
+    const std::string file = child.tag() == "plugin" ? child.attribute("filename") : "";
+    return file.find("gazebo_ros_") != file.npos;
+  });
+}
+
+std::optional<SdfCommand> command_of(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
+                                     const glm::dmat4& point_from_sensor, ImportReport& report) {
+  const std::string type = sensor.attribute("type");
+  const auto* const camera = std::ranges::find(kCameraTypes, type, &CameraType::name);
+  if (camera != std::end(kCameraTypes)) {
+    const bool has_color = camera->outputs == "depth" && publishes_color(sensor);
+    return pixel_command(sensor, camera->type, has_color ? "color depth" : camera->outputs, type.starts_with("wide"),
+                         place, point_from_sensor, report);
+  }
+  if (type == "ray" || type == "lidar" || type == "gpu_ray" || type == "gpu_lidar") {
+    return scanner_command(sensor, place, point_from_sensor, report);
+  }
+  return sdf_reading_command(sensor, world, place, point_from_sensor, report);
 }
 
 }  // namespace
@@ -205,27 +253,17 @@ void add_sdf_sensor_place(const SdfElement& sensor, const glm::dmat4& point_from
 }
 
 std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
-                                              const glm::dmat4& point_from_sensor, ImportReport& report) {
-  const std::string type = sensor.attribute("type");
-  for (const SdfElement& child : sensor.children()) {
-    if (child.tag() == "plugin") report.leave_out("element <plugin>", child.at());
+                                              const glm::dmat4& point_from_sensor, SdfMessages& messages,
+                                              ImportReport& report) {
+  std::optional<SdfCommand> command = command_of(sensor, world, place, point_from_sensor, report);
+  if (!command) {
+    report.leave_out("sensor of type " + in_quotes(sensor.attribute("type")), sensor.at());
+    return std::nullopt;
   }
-  const bool is_wide_angle = type == "wideanglecamera" || type == "wide_angle_camera";
-  if (type == "camera" || is_wide_angle) {
-    return camera_command(sensor, "color", is_wide_angle, place, point_from_sensor, report);
-  }
-  if (type == "depth" || type == "depth_camera") {
-    return camera_command(sensor, "depth", false, place, point_from_sensor, report);
-  }
-  if (type == "rgbd" || type == "rgbd_camera") {
-    return camera_command(sensor, "color depth", false, place, point_from_sensor, report);
-  }
-  if (type == "ray" || type == "lidar" || type == "gpu_ray" || type == "gpu_lidar") {
-    return scanner_command(sensor, place, point_from_sensor, report);
-  }
-  auto command = sdf_reading_command(sensor, world, place, point_from_sensor, report);
-  if (!command) report.leave_out("sensor of type " + in_quotes(type), sensor.at());
-  return command;
+  const bool has_offset =
+      point_from_sensor != glm::dmat4(1) || read_sdf_pose(sensor.child("camera")).matrix != glm::dmat4(1);
+  messages.add(sensor, command->type(), place, has_offset, *command, report);
+  return command->text();
 }
 
 }  // namespace simvis

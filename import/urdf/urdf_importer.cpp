@@ -20,6 +20,7 @@
 #include "import/model/package_files.h"
 #include "import/urdf/urdf_dynamics.h"
 #include "import/urdf/urdf_file.h"
+#include "import/urdf/urdf_sensors.h"
 #include "import/urdf/urdf_visuals.h"
 #include "import/urdf/xacro.h"
 
@@ -179,6 +180,9 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   });
   content.root = frames.nodes();
   content.commands = frames.joint_commands(content.warnings);
+  ImportReport report;
+  std::ranges::move(urdf_sensor_commands(source, request, report), std::back_inserter(content.commands));
+  std::ranges::move(report.release(), std::back_inserter(content.warnings));
   std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
   visuals.finish(content.warnings);
   content.model = source;

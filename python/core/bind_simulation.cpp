@@ -2,6 +2,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include <simvis/error.h>
 #include <simvis/pose.h>
 #include "python/core/arguments.h"
@@ -341,6 +343,15 @@ void bind_sensors(BoundClass<RunningSimulation>& core) {
   core.def("_attributes", &attributes, nb::sig("def _attributes(self, sensor: str) -> dict[str, str]"))
       .def("_images", &RunningSimulation::images)
       .def("_scan", &RunningSimulation::scan)
+      .def(
+          "_points",
+          [](RunningSimulation& self, const std::string& sensor, const std::string& frame, const nb::object& out) {
+            const Measurement last = self.idle().measurement(sensor);
+            const bool has_depth = std::ranges::count(last.arrays, ImageContent::depth, &MeasuredArray::content) > 0;
+            return has_depth ? points_of(self.measurement(sensor), frame, out)
+                             : points_of(self.scan(sensor), frame, out);
+          },
+          nb::sig("def _points(self, sensor: str, frame: str, out: typing.Any) -> numpy.typing.NDArray[numpy.float64]"))
       .def("_image", &RunningSimulation::image)
       .def("_measurement", &RunningSimulation::measurement)
       .def("_value", [](const RunningSimulation& self, const std::string& sensor,

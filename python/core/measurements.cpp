@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <variant>
 
+#include <simvis/depth_points.h>
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include <simvis/size_product.h>
@@ -162,9 +163,13 @@ nb::object labels(const KeptScan& scan) {
   return own(std::move(numbers), {scan.rings, scan.beams});
 }
 
-// As Scan::points() and Scan::world_points().
-nb::object points(const KeptScan& scan, bool world, const nb::object& out) {
-  const std::size_t count = scan.range_m.size();
+// As Scan::points() and Scan::world_points(); `point` gives each in the sensor's frame.
+template <typename PointOf>
+nb::object point_array(std::size_t count, const PointOf& point_of, const glm::dmat4& world_from_sensor,
+                       const std::string& frame, const nb::object& out) {
+  if (frame != "sensor" && frame != "world") {
+    throw InputError("frame is " + in_quotes(frame) + ", expected \"sensor\" or \"world\"");
+  }
   std::unique_ptr<double[]> memory;
   double* to = nullptr;
   if (out.is_none()) {
@@ -174,8 +179,8 @@ nb::object points(const KeptScan& scan, bool world, const nb::object& out) {
     to = checked_out<double>(out, {count, 3}, "float64");
   }
   for (std::size_t i = 0; i < count; ++i) {
-    glm::dvec3 point = scan.point(i);
-    if (world) point = glm::dvec3(scan.world_from_sensor * glm::dvec4(point, 1));
+    glm::dvec3 point = point_of(i);
+    if (frame == "world") point = glm::dvec3(world_from_sensor * glm::dvec4(point, 1));
     for (glm::length_t axis = 0; axis < 3; ++axis) to[3 * i + static_cast<std::size_t>(axis)] = point[axis];
   }
   return out.is_none() ? own(std::move(memory), {count, 3}) : out;
@@ -354,6 +359,20 @@ nb::object to_array(std::span<const double> numbers, std::size_t rows, std::size
   return own(std::move(copy), {rows, columns});
 }
 
+nb::object points_of(const KeptScan& scan, const std::string& frame, const nb::object& out) {
+  return point_array(
+      scan.range_m.size(), [&](std::size_t i) { return scan.point(i); }, scan.world_from_sensor, frame, out);
+}
+
+nb::object points_of(const KeptMeasurement& camera, const std::string& frame, const nb::object& out) {
+  const auto depth = std::ranges::find(camera.arrays, ImageContent::depth, &MeasuredArray::content);
+  const auto points = depth == camera.arrays.end() ? std::nullopt : depth_points(camera, depth->view);
+  if (!points)
+    throw InputError("the lens of " + in_quotes(camera.sensor) + " is not known, so its pixels have no points");
+  return point_array(
+      points->size(), [&](std::size_t i) { return (*points)[i]; }, camera.world_from_sensor, frame, out);
+}
+
 void bind_measurements(nb::module_& module) {
   auto scan = BoundClass<KeptScan>(module, "Scan",
                                    "One sweep of a laser scanner. It keeps its frame: its arrays are read-only views, "
@@ -399,12 +418,7 @@ void bind_measurements(nb::module_& module) {
                    nb::sig("def labels(self) -> numpy.typing.NDArray[numpy.int32]"));
   scan.def(
       "points",
-      [](const KeptScan& of, const std::string& frame, const nb::object& out) {
-        if (frame != "sensor" && frame != "world") {
-          throw InputError("frame is " + in_quotes(frame) + ", expected \"sensor\" or \"world\"");
-        }
-        return points(of, frame == "world", out);
-      },
+      [](const KeptScan& of, const std::string& frame, const nb::object& out) { return points_of(of, frame, out); },
       "frame"_a = "sensor", "out"_a = nb::none(),
       "(rings * beams, 3) float64, metres: what the beams hit, NaN where nothing was hit. Computed with each call; "
       "`out` is filled instead of a new array.",

@@ -30,6 +30,11 @@ struct KeptMeasurement : Measurement {
 /// A matrix of 4 x 4 numbers, row by row, with memory of its own.
 nanobind::object to_array(const glm::dmat4& matrix);
 
+/// What a scanner's beams hit or a depth camera's pixels see: (points, 3), in "sensor" or "world". `out` is filled if
+/// it is not None. Throws InputError for another frame, and for a camera whose lens is not known.
+nanobind::object points_of(const KeptScan& scan, const std::string& frame, const nanobind::object& out);
+nanobind::object points_of(const KeptMeasurement& camera, const std::string& frame, const nanobind::object& out);
+
 /// Rows of so many numbers, copied to memory of their own.
 nanobind::object to_array(std::span<const double> numbers, std::size_t rows, std::size_t columns);
 

@@ -170,6 +170,7 @@ class Outputs:
     true_normal_y: npt.NDArray[np.float64]
     true_normal_z: npt.NDArray[np.float64]
     true_primitive: npt.NDArray[np.float64]
+    true_radial_speed_mps: npt.NDArray[np.float64]
     true_range_m: npt.NDArray[np.float64]
     true_semantic: npt.NDArray[np.float64]
     true_shape: npt.NDArray[np.float64]

@@ -221,8 +221,11 @@ class Sensor(Outputs):
         return self._core._scan(self._name).labels
 
     def points(self, frame: str = "sensor", out: Array = None) -> npt.NDArray[np.float64]:
-        """(rings * beams, 3) float64, metres: what the beams hit, NaN where nothing was hit, in "sensor" or "world"."""
-        return self._core._scan(self._name).points(frame, out)
+        """(rings * beams, 3) float64, metres: what the beams hit, NaN where nothing was hit, in "sensor" or "world".
+
+        Of a camera with depth (h * w, 3): what its pixels see, of a stereo camera those of its left one.
+        """
+        return self._core._points(self._name, frame, out)
 
     @property
     def images(self) -> list[str]:

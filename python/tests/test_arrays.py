@@ -40,6 +40,23 @@ class Arrays(unittest.TestCase):
         turned = local @ ahead.pose[:3, :3].T + ahead.pose[:3, 3]
         np.testing.assert_allclose(world, turned, atol=1e-12)
 
+    def test_points_of_a_camera_are_what_its_pixels_see(self) -> None:
+        camera = self.sim["CAM"]
+        depth, points = camera.depth.astype(np.float64), camera.points()
+        self.assertEqual(points.shape, (16 * 32, 3))
+        # x is the depth; y and z grow with it and with the distance of the pixel's centre from that of the image.
+        seen = np.isfinite(depth).ravel()
+        np.testing.assert_array_equal(np.isnan(points[:, 0]), ~seen)
+        np.testing.assert_allclose(points[seen, 0], depth.ravel()[seen], rtol=1e-15)
+        across = (15.5 - np.tile(np.arange(32), 16)) * depth.ravel()
+        ratio = points[seen, 1] / across[seen]
+        np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+        out = np.empty((16 * 32, 3))
+        self.assertIs(camera.points("world", out), out)
+        pose = camera.measurement.pose
+        np.testing.assert_allclose(out[seen], points[seen] @ pose[:3, :3].T + pose[:3, 3], atol=1e-12)
+        self.assertEqual(self.sim["EYES"].points().shape, (8 * 16, 3))
+
     def test_views_are_read_only_and_cost_no_copy(self) -> None:
         for get in (lambda: self.sim["SCAN"].range_m, lambda: self.sim["EYES"].disparity, lambda: self.sim["CAM"].depth):
             view = get()

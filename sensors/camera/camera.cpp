@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sensors/camera/camera_outputs.h"
+#include "sensors/cloud_attributes.h"
 
 namespace simvis {
 
@@ -71,6 +72,7 @@ AttributeRows<CameraDesc> CameraDesc::rows() {
           row(&Desc::visualization, "view", {{false, "simulation"}, {true, "visualization"}},
               "simulation: the simulated world; visualization: also what elements draw for people (beams, paths, "
               "graphs)"),
+          kDenseAttribute,
           kRateAttribute};
 }
 

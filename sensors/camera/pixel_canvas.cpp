@@ -13,21 +13,10 @@ constexpr int kTile_px = 32;
 // Covers the rounding of the cosines of a tile's cone.
 constexpr double kConeRounding_rad = 1e-7;
 
-/// The lens that the coefficients of a layout with rays describe.
-std::optional<Lens> lens_of(const CameraLayout& layout) {
-  const std::vector<double>& c = layout.distortion_coefficients;
+/// The lens of a layout with rays.
+std::optional<Lens> lens_of_rays(const CameraLayout& layout) {
   if (layout.rays.empty()) return std::nullopt;
-  if (layout.distortion_model == "equidistant" && c.size() == 4) {
-    return Lens({.kind = LensKind::kannala_brandt, .pinhole = layout.pinhole, .k = {c[0], c[1], c[2], c[3]}});
-  }
-  if (layout.distortion_model == "plumb_bob" && c.size() == 5) {
-    return Lens({.kind = LensKind::brown_conrady,
-                 .pinhole = layout.pinhole,
-                 .k = {c[0], c[1], c[4], 0},
-                 .p1 = c[2],
-                 .p2 = c[3]});
-  }
-  return std::nullopt;
+  return lens_of(layout.pinhole, layout.distortion_model, layout.distortion_coefficients);
 }
 
 }  // namespace
@@ -39,7 +28,7 @@ PixelCanvas::PixelCanvas(const CameraLayout& layout, const CameraViews& views, d
       width_(static_cast<int>(layout.width_px)),
       height_(static_cast<int>(layout.height_px)),
       canvas_{-width_, -height_, 2 * width_, 2 * height_},
-      lens_(lens_of(layout)) {
+      lens_(lens_of_rays(layout)) {
   if (!layout.rays.empty() && !lens_) canvas_ = picture();
   // Tiles do not cross the border of the picture, which directions are computed differently beyond.
   const auto steps = [](int begin, int middle, int last, int end) {

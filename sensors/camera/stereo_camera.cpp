@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sensors/camera/camera_outputs.h"
+#include "sensors/cloud_attributes.h"
 
 namespace simvis {
 
@@ -73,6 +74,7 @@ AttributeRows<StereoCameraDesc> StereoCameraDesc::rows() {
       nested(&Desc::sampling, ColorSampling::rows()),
       kLayerAttribute,
       kMaxLayersAttribute,
+      kDenseAttribute,
       kRateAttribute};
 }
 

@@ -9,6 +9,7 @@
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/pixel_truth.h"
+#include "sensors/cloud_attributes.h"
 #include "sensors/depth_camera/rgbd_camera_presets.h"
 
 namespace simvis {
@@ -81,6 +82,7 @@ AttributeRows<RgbdCameraDesc> RgbdCameraDesc::rows() {
           flags_row<Desc>("outputs", {{"color", &Desc::color}, {"depth", &Desc::depth}, {"depth_state", &Desc::state}},
                           "what the camera measures; depth_state: why a pixel has no depth"),
           nested(&Desc::sampling, ColorSampling::rows()),
+          kDenseAttribute,
           kRateAttribute};
 }
 

@@ -14,6 +14,7 @@
 #include "engine/base/poisson.h"
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/pinhole_view.h"
+#include "sensors/cloud_attributes.h"
 
 namespace simvis {
 namespace {
@@ -121,6 +122,7 @@ AttributeRows<TofCameraDesc> TofCameraDesc::rows() {
           "rays from each surface that is seen, for light that comes there from another one; 0: none does"),
       flags_row<Desc>("outputs", {{"depth", &Desc::depth}, {"range", &Desc::range}, {"amplitude", &Desc::amplitude}},
                       "what the camera measures"),
+      kDenseAttribute,
       kRateAttribute};
 }
 

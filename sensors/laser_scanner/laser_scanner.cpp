@@ -125,7 +125,7 @@ std::string LaserScanner::traced_for() const {
 
 HistoryDependence LaserScanner::history_dependence() const {
   if (desc_.method == ScanMethod::automatic) return HistoryDependence::measurements;
-  return looks_back() || desc_.truth.velocity ? HistoryDependence::poses : HistoryDependence::none;
+  return looks_back() || desc_.truth.looks_back() ? HistoryDependence::poses : HistoryDependence::none;
 }
 
 bool LaserScanner::looks_back() const {

@@ -108,7 +108,8 @@ class LaserScanner : public Sensor, public Stateful {
   /// For `auto` HistoryDependence::measurements: its choice and its surveys depend on the previous frames.
   HistoryDependence history_dependence() const override;
   SensorNeeds needs() const override {
-    return {.item_motion = desc_.truth.velocity,
+    return {.motion = desc_.truth.radial_speed,
+            .item_motion = desc_.truth.looks_back(),
             .points = others(),
             .item_moves = looks_back(),
             .item_ids = desc_.truth.needs_ids()};

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine/base/decimal.h"
+#include "sensors/cloud_attributes.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/laser_scanner_presets.h"
 #include "sensors/laser_scanner/scan_calibration.h"
@@ -171,6 +172,8 @@ AttributeRows<LaserScannerDesc> LaserScannerDesc::rows() {
           "from 512 to 8000 for one ring and from 256 to 2048 for more")
           .without_default(),
       nested(&Desc::truth, ScanTruthDesc::rows()),
+      kLayoutAttribute,
+      kDenseAttribute,
       kRateAttribute,
       kPresetAttribute};
 }

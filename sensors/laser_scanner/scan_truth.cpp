@@ -48,7 +48,14 @@ const std::vector<TruthColumn>& all_columns() {
       {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_x_mps", "m/s", "velocity of the point, x", "world")},
       {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_y_mps", "m/s", "velocity of the point, y", "world")},
       {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_z_mps", "m/s", "velocity of the point, z", "world")},
-      {"shape", &ScanTruthDesc::shape, number(kTrueShape, "id of the shape that the beam meets, as in shapes.csv")}};
+      {"shape", &ScanTruthDesc::shape, number(kTrueShape, "id of the shape that the beam meets, as in shapes.csv")},
+      {"radial_speed",
+       &ScanTruthDesc::radial_speed,
+       {.name = kTrueRadialSpeed,
+        .format = "%.9g",
+        .unit = "m/s",
+        .meaning = "speed of the point along the beam, as a FMCW lidar measures it; above 0: away",
+        .nothing = kNothing}}};
   return columns;
 }
 
@@ -72,9 +79,15 @@ void measure(const ScanTruthDesc& desc, const MetSurfaces& met, std::size_t i, s
   const glm::dvec3 origin_m = met.origins_m.empty() ? glm::dvec3(0) : met.origins_m[i];
   if (desc.normal)
     put(5, surface_point(met.list, glm::translate(met.world_from_sensor, origin_m), direction, hit).normal);
-  if (desc.velocity) {
-    const glm::dvec3 point_m(met.world_from_sensor * glm::dvec4(origin_m + hit.range_m * direction, 1));
-    put(8, met.world->velocity_mps(hit.item, point_m));
+  if (!desc.looks_back()) return;
+  const glm::dvec3 point_m(met.world_from_sensor * glm::dvec4(origin_m + hit.range_m * direction, 1));
+  const glm::dvec3 velocity_mps = met.world->velocity_mps(hit.item, point_m);
+  if (desc.velocity) put(8, velocity_mps);
+  if (desc.radial_speed) {
+    const glm::dmat3 turn(met.world_from_sensor);
+    const Motion motion = met.world->motion();
+    const glm::dvec3 start_mps = motion.velocity_mps + glm::cross(motion.angular_velocity_radps, turn * origin_m);
+    values[12] = glm::dot(turn * direction, velocity_mps - start_mps);
   }
 }
 
@@ -88,6 +101,7 @@ AttributeRows<ScanTruthDesc> ScanTruthDesc::rows() {
                                    {"semantic", &ScanTruthDesc::semantic},
                                    {"normal", &ScanTruthDesc::normal},
                                    {"velocity", &ScanTruthDesc::velocity},
+                                   {"radial_speed", &ScanTruthDesc::radial_speed},
                                    {"shape", &ScanTruthDesc::shape}},
                                   "columns of what the beam meets without any effect, by an exact cast: range adds "
                                   "true_range_m, hit adds true_item "

@@ -15,19 +15,21 @@ namespace simvis {
 
 inline constexpr const char *kTrueRange = "true_range_m", *kTrueItem = "true_item", *kTruePrimitive = "true_primitive",
                             *kTrueInstance = "true_instance", *kTrueSemantic = "true_semantic",
-                            *kTrueShape = "true_shape";
+                            *kTrueShape = "true_shape", *kTrueRadialSpeed = "true_radial_speed_mps";
 
 /// The channels that are asked for, by words of the attribute.
 struct ScanTruthDesc {
   bool range = false,
-       hit = false,      ///< item and primitive of RayHit
-      instance = false,  ///< ids, see ItemIds
-      semantic = false,  ///< ids, see ItemIds
-      shape = false,     ///< ids, see ItemIds
-      normal = false,    ///< of the triangle: sensor frame, unit length, towards the sensor
-      velocity = false;  ///< of the matter of the item: world frame, m/s, the mean since the last measurement
+       hit = false,          ///< item and primitive of RayHit
+      instance = false,      ///< ids, see ItemIds
+      semantic = false,      ///< ids, see ItemIds
+      shape = false,         ///< ids, see ItemIds
+      normal = false,        ///< of the triangle: sensor frame, unit length, towards the sensor
+      velocity = false,      ///< of the matter of the item: world frame, m/s, the mean since the last measurement
+      radial_speed = false;  ///< along the beam, against the beam's start, m/s, the mean since the last measurement
 
-  bool any() const { return range || hit || instance || semantic || shape || normal || velocity; }
+  bool any() const { return range || hit || instance || semantic || shape || normal || looks_back(); }
+  bool looks_back() const { return velocity || radial_speed; }
   bool needs_ids() const { return instance || semantic || shape; }
   static AttributeRows<ScanTruthDesc> rows();
 };

@@ -43,6 +43,14 @@ constexpr PresetAttribute kF9p[] = {
 constexpr PresetAttribute kF9pRtk[] = {
     {"horizontal_stddev", "0.00849"}, {"vertical_stddev", "0.0148"}, {"velocity_stddev", "0.0741"}, {"rate", "7"}};
 
+std::vector<OutputSpec> gnss_outputs(const SensorContext& context) {
+  std::vector<OutputSpec> outputs = reading_outputs(context, kGnssColumns);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (!kGnssColumns[i].in_message) outputs[i].message = "geometry_msgs/msg/TwistWithCovarianceStamped";
+  }
+  return outputs;
+}
+
 constexpr std::string_view kF9pSource = "u-blox, ZED-F9P-04B data sheet, UBX-21044850 R05, section 1.2, tables 1 and 2";
 
 constexpr SensorPreset kGnssPresets[] = {
@@ -64,7 +72,7 @@ const SensorRegistration kGnssRegistration(
      .attributes = rows_of<GnssDesc>().table(),
      .create = create_sensor<Gnss, GnssDesc>,
      .presets = kGnssPresets,
-     .outputs = column_outputs_of<kGnssColumns>,
+     .outputs = gnss_outputs,
      .sees_shapes = false});
 
 }  // namespace
@@ -91,6 +99,7 @@ void Gnss::collect(const FrameTime& time, const FramePlan&, std::span<const Pass
   const double period_s = sample_period_s(rate_hz, time);
   set_constant("horizontal_variance", desc_.horizontal.white_variance(period_s));
   set_constant("vertical_variance", desc_.vertical.white_variance(period_s));
+  set_constant("velocity_variance", desc_.velocity.white_variance(period_s));
   const glm::dvec3 place = desc_.origin.to_east_north_up(glm::dvec3(world_from_sensor()[3])),
                    speed = desc_.origin.to_east_north_up(motion_.velocity_mps);
   double latitude = 0, longitude = 0, altitude = 0;

@@ -11,7 +11,8 @@
 //          sensors/noise_model.h. It is added in metres, before the conversion. The drift of a receiver without
 //          corrections is a Gauss-Markov process of about an hour (Parkinson and Spilker, "GPS: Theory and
 //          Applications", 1996): dynamic_bias_correlation_time.
-// Message  sensor_msgs/NavSatFix, with the variances of the white noise.
+// Messages sensor_msgs/NavSatFix, and geometry_msgs/TwistWithCovarianceStamped along east, north and up, both with the
+//          variances of the white noise.
 // Limit    satellites are not simulated: the receiver has a fix in tunnels too.
 #pragma once
 

@@ -1,8 +1,14 @@
 #include "sensors/navigation/imu.h"
 
+#include <algorithm>
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <iterator>
 #include <memory>
 #include <utility>
+
+#include <simvis/location.h>
+#include "scenegraph/pose3.h"
 
 namespace simvis {
 
@@ -62,6 +68,30 @@ const std::vector<TableColumn> kImuColumns{{.name = "angular_velocity_x_rad_s",
                                             .meaning = "specific force along z",
                                             .frame = "sensor"}};
 
+std::vector<TableColumn> orientation_columns() {
+  std::vector<TableColumn> columns;
+  for (const char* const name : {"qx", "qy", "qz", "qw"}) {
+    columns.push_back({.name = name, .format = "%.12g", .meaning = "orientation as a quaternion", .frame = "world"});
+  }
+  return columns;
+}
+
+std::vector<TableColumn> imu_columns(bool orientation) {
+  std::vector<TableColumn> columns = kImuColumns;
+  if (orientation) std::ranges::move(orientation_columns(), std::back_inserter(columns));
+  return columns;
+}
+
+std::vector<OutputSpec> imu_outputs(const SensorContext& context) {
+  std::vector<OutputSpec> outputs = reading_outputs(context, imu_columns(true));
+  const bool given = read_desc<ImuDesc>(context).orientation;
+  for (std::size_t i = kImuColumns.size(); i < outputs.size(); ++i) {
+    outputs[i].when = "orientation on";
+    outputs[i].given = given;
+  }
+  return outputs;
+}
+
 // 0.007 deg/s/sqrt(Hz) and 60 ug/sqrt(Hz); 0.01 deg/s/sqrt(Hz) and 60 ug/sqrt(Hz).
 constexpr PresetAttribute kMti630[] = {
     {"gyroscope_noise_density", "1.22173048e-4"}, {"accelerometer_noise_density", "5.88399e-4"}, {"rate", "400"}};
@@ -97,7 +127,7 @@ const SensorRegistration kImuRegistration(
      .attributes = rows_of<ImuDesc>().table(),
      .create = create_sensor<Imu, ImuDesc>,
      .presets = kImuPresets,
-     .outputs = column_outputs_of<kImuColumns>,
+     .outputs = imu_outputs,
      .sees_shapes = false});
 
 }  // namespace
@@ -111,15 +141,27 @@ AttributeRows<ImuDesc> ImuDesc::rows() {
           nested(&Desc::gyroscope, noise_rows("gyroscope_", "the angular velocity", "rad/s")),
           nested(&Desc::accelerometer_axes, axes_rows("accelerometer_", "the specific force")),
           nested(&Desc::accelerometer, noise_rows("accelerometer_", "the specific force", "m/s2")),
+          row(&Desc::orientation, "orientation", {{false, "off"}, {true, "on"}},
+              "on: also the orientation in the world, as devices with a filter of their own give it"),
+          nested(&Desc::orientation_noise, noise_rows("orientation_", "the turn about each axis of the world", "rad")),
           kRateAttribute,
           kPresetAttribute};
 }
 
+void ImuDesc::complete(const SensorContext& context) {
+  if (orientation) return;
+  for (const CommandAttribute& each : context.command.attributes) {
+    if (!each.name.starts_with("orientation_")) continue;
+    fail_at(each.where, "attribute " + in_quotes(each.name) + " is allowed only with orientation=\"on\"");
+  }
+}
+
 Imu::Imu(const std::string& name, const ImuDesc& desc)
-    : ReadingSensor(kImuColumns),
+    : ReadingSensor(imu_columns(desc.orientation)),
       desc_(desc),
       gyroscope_(desc.gyroscope, {desc.seed, name + "/gyroscope"}),
-      accelerometer_(desc.accelerometer, {desc.seed, name + "/accelerometer"}) {}
+      accelerometer_(desc.accelerometer, {desc.seed, name + "/accelerometer"}),
+      orientation_(desc.orientation_noise, {desc.seed, name + "/orientation"}) {}
 
 // Without errors the truth keeps its bits, the sign of a zero too.
 glm::dvec3 ImuAxes::measured(const glm::dvec3& truth) const {
@@ -143,14 +185,28 @@ void Imu::collect(const FrameTime& time, const FramePlan&, std::span<const PassR
     for (std::uint32_t axis = 0; axis < 3; ++axis) set_constant(names->bias[axis], model->bias(axis, time.time_ns));
   }
   std::vector<double> values;
-  values.reserve(6);
+  values.reserve(10);
   for (int axis = 0; axis < 3; ++axis) {
     values.push_back(gyroscope_.apply(turn[axis], static_cast<std::uint32_t>(axis), time, period_s));
   }
   for (int axis = 0; axis < 3; ++axis) {
     values.push_back(accelerometer_.apply(force[axis], static_cast<std::uint32_t>(axis), time, period_s));
   }
+  if (desc_.orientation) add_orientation(time, period_s, values);
   set_reading(time, std::move(values));
+}
+
+// The errors are a rotation vector in the axes of the world, as the covariance of sensor_msgs/Imu has them.
+void Imu::add_orientation(const FrameTime& time, double period_s, std::vector<double>& values) {
+  set_constant("orientation_variance", desc_.orientation_noise.white_variance(period_s));
+  glm::dvec3 turn_rad(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    turn_rad[axis] = orientation_.apply(0, static_cast<std::uint32_t>(axis), time, period_s);
+  }
+  glm::dquat measured = pose_of(world_from_sensor()).orientation;
+  const double angle_rad = glm::length(turn_rad);
+  if (angle_rad > 0) measured = glm::angleAxis(angle_rad, turn_rad / angle_rad) * measured;
+  values.insert(values.end(), {measured.x, measured.y, measured.z, measured.w});
 }
 
 }  // namespace simvis

@@ -10,12 +10,14 @@
 //          since the previous frame, so that summing them up gives the exact rotation, as in devices that put out
 //          increments. At the first frame the sensor stands still. On a body of physics the acceleration is that of the
 //          last step of physics before the frame, at any rate.
+//          With orientation="on" also qx, qy, qz, qw: the sensor's orientation in the world.
 // Errors   scale, misalignment and g-sensitivity: ImuAxes and ImuDesc. They come before the noise.
 // Noise    of both quantities: sensors/noise_model.h. With the prefixes gyroscope_ and accelerometer_ the
 //          attributes have the names of Kalibr's imu.yaml.
 // Truth    Constants beside the values: of both quantities, in their units, the variance of the white noise, its
 //          density per sqrt(Hz), the density of the random walk per s and sqrt(Hz), and the true bias of each axis.
-// Message  sensor_msgs/Imu without an orientation: its covariance is -1.
+//          That of the orientation is a turn about the axes of the world, in radians, with the prefix orientation_.
+// Message  sensor_msgs/Imu. Without an orientation the covariance of this is -1.
 #pragma once
 
 #include <string>
@@ -42,9 +44,13 @@ struct ImuDesc {
   ImuAxes gyroscope_axes{}, accelerometer_axes{};
   glm::dvec3 g_sensitivity{0};  ///< of the gyroscopes, rad/s for each m/s2 of the specific force along the same axis
   NoiseDesc gyroscope{}, accelerometer{};
+  bool orientation = false;
+  NoiseDesc orientation_noise{};  ///< with `orientation`
   std::uint64_t seed = 0;
 
   static AttributeRows<ImuDesc> rows();
+  /// Throws InputError at an attribute of the orientation of an IMU that gives none.
+  void complete(const SensorContext& context);
 };
 
 class Imu : public ReadingSensor {
@@ -57,8 +63,10 @@ class Imu : public ReadingSensor {
   std::string method() const override { return "differences of poses"; }
 
  private:
+  void add_orientation(const FrameTime& time, double period_s, std::vector<double>& values);
+
   ImuDesc desc_;
-  NoiseModel gyroscope_, accelerometer_;
+  NoiseModel gyroscope_, accelerometer_, orientation_;
   Motion motion_;
 };
 

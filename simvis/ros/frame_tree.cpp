@@ -1,6 +1,7 @@
 #include "simvis/ros/frame_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
@@ -261,11 +262,20 @@ void FrameTree::check_names(const BuiltScene& scene) const {
   }
   for (const BuiltSensor& sensor : scene.sensors) {
     const Location& where = place_of(sensor.command, kFrame);
-    add(of_sensor(sensor), "the sensor " + in_quotes(sensor.name), where);
+    if (!shares_frame(sensor)) add(of_sensor(sensor), "the sensor " + in_quotes(sensor.name), where);
     for (const std::string& view : views_of(sensor)) {
       add(optical_frame(of_sensor(sensor), view), "a view of the sensor " + in_quotes(sensor.name), where);
     }
   }
+}
+
+bool FrameTree::shares_frame(const BuiltSensor& sensor) const {
+  const CommandAttribute* const frame = sensor.command.find(kFrame);
+  const std::string point = insertion_point(sensor);
+  if (frame == nullptr || point == kRoot || frame->value != of_point(point)) return false;
+  const auto is_given = [&](const char* name) { return sensor.command.find(name) != nullptr; };
+  return !std::ranges::any_of(std::array{"pose_offset", "quaternion", "look_at"}, is_given) &&
+         !moving_sensors_.contains(sensor.name);
 }
 
 std::string FrameTree::of_point(const std::string& point) const {
@@ -315,6 +325,7 @@ std::optional<glm::dmat4> FrameTree::point_from_sensor(const PlacedSensor& senso
 }
 
 void FrameTree::add_sensor(const PlacedSensor& sensor) {
+  if (shares_frame(sensor.sensor)) return;
   const bool moves = moving_sensors_.contains(sensor.sensor.name);
   if (const std::optional<glm::dmat4> place = point_from_sensor(sensor)) {
     transforms_.push_back({of_point(insertion_point(sensor.sensor)), of_sensor(sensor.sensor), *place, moves});

@@ -6,6 +6,7 @@
 //
 // POINT    an insertion point at which a sensor stands, that an element `frame` names, or that belongs to the robot of
 //          an element `robot_description`. Its parent is the nearest of them around it, else the world.
+// SENSOR   has no frame of its own if its attribute `frame` is that of its POINT and it stands there without an offset.
 // Moves    a transform can move if a node of an element stands between its two frames: a joint, a pose, a body, an
 //          animated node. All others are fixed as long as the scene stays the same. A transform that moves in another
 //          way counts as fixed until it first does; see ros::Transforms.
@@ -65,6 +66,7 @@ class FrameTree {
   void find_moving_sensors(const BuiltScene& scene, const FrameChains& chains, const std::set<const Node*>& movers);
   void find_odometries(const BuiltScene& scene);
   void check_names(const BuiltScene& scene) const;
+  bool shares_frame(const BuiltSensor& sensor) const;
   void place_points(const BuiltScene& scene);
   void add_point(const std::string& name, const Point& point);
   void add_sensor(const PlacedSensor& sensor);

@@ -10,9 +10,11 @@
 #include "exchange/messages/types/event_types.h"
 #include "exchange/messages/types/follow_types.h"
 #include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/livox_types.h"
 #include "exchange/messages/types/marker_types.h"
 #include "exchange/messages/types/sensor_types.h"
 #include "exchange/messages/types/system_types.h"
+#include "exchange/messages/types/vision_types.h"
 
 namespace simvis::ros::test {
 
@@ -23,7 +25,8 @@ void for_each_type(const Action& action) {
   all.template
   operator()<LaserScan, PointCloud2, Image, CompressedImage, CameraInfo, Range, DisparityImage, TFMessage, PoseStamped,
              TwistStamped, Odometry, Path, Clock, DiagnosticArray, ParameterEvent, Float64, Imu, NavSatFix,
-             MagneticField, FluidPressure, JointState, Illuminance, WrenchStamped, EventPacket, MarkerArray>();
+             TwistWithCovarianceStamped, MagneticField, FluidPressure, JointState, Illuminance, WrenchStamped,
+             EventPacket, MarkerArray, CustomMsg, Detection2DArray, Detection3DArray>();
 }
 
 /// As for_each_type(), with those that SimVis reads, and with its own.

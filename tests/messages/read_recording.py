@@ -13,8 +13,10 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-# Of a package that is no part of ROS itself, as its repository has it (ros-event-camera/event_camera_msgs, msg_ros2).
-EVENT_PACKET = """
+# Of packages that rosbags does not know, as their repositories have them: ros-event-camera/event_camera_msgs,
+# Livox-SDK/livox_ros_driver2, ros-perception/vision_msgs (branch ros2).
+FOREIGN_TYPES = {
+    "event_camera_msgs/msg/EventPacket": """
 std_msgs/Header header
 uint32 height
 uint32 width
@@ -23,7 +25,45 @@ uint64 time_base
 string encoding
 bool is_bigendian
 uint8[] events
-"""
+""",
+    "livox_ros_driver2/msg/CustomPoint": """
+uint32 offset_time
+float32 x
+float32 y
+float32 z
+uint8 reflectivity
+uint8 tag
+uint8 line
+""",
+    "livox_ros_driver2/msg/CustomMsg": """
+std_msgs/Header header
+uint64 timebase
+uint32 point_num
+uint8 lidar_id
+uint8[3] rsvd
+CustomPoint[] points
+""",
+    "vision_msgs/msg/Point2D": "float64 x\nfloat64 y",
+    "vision_msgs/msg/Pose2D": "vision_msgs/Point2D position\nfloat64 theta",
+    "vision_msgs/msg/BoundingBox2D": "vision_msgs/Pose2D center\nfloat64 size_x\nfloat64 size_y",
+    "vision_msgs/msg/BoundingBox3D": "geometry_msgs/Pose center\ngeometry_msgs/Vector3 size",
+    "vision_msgs/msg/ObjectHypothesis": "string class_id\nfloat64 score",
+    "vision_msgs/msg/ObjectHypothesisWithPose": "ObjectHypothesis hypothesis\ngeometry_msgs/PoseWithCovariance pose",
+    "vision_msgs/msg/Detection2D": """
+std_msgs/Header header
+ObjectHypothesisWithPose[] results
+BoundingBox2D bbox
+string id
+""",
+    "vision_msgs/msg/Detection2DArray": "std_msgs/Header header\nDetection2D[] detections",
+    "vision_msgs/msg/Detection3D": """
+std_msgs/Header header
+ObjectHypothesisWithPose[] results
+BoundingBox3D bbox
+string id
+""",
+    "vision_msgs/msg/Detection3DArray": "std_msgs/Header header\nDetection3D[] detections",
+}
 
 
 def compare(where, expected, seen):
@@ -92,7 +132,8 @@ def main():
     check_with_mcap(file, expected)
     humble, jazzy = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS2_JAZZY)
     for store in (humble, jazzy):
-        store.register(get_types_from_msg(EVENT_PACKET, "event_camera_msgs/msg/EventPacket"))
+        for name, text in FOREIGN_TYPES.items():
+            store.register(get_types_from_msg(text, name))
     compared = 0
     with AnyReader([file]) as reader:
         for connection, _, raw in reader.messages():

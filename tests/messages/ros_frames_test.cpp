@@ -435,7 +435,8 @@ TEST_CASE("a clash of topics or frames is reported with its place") {
   // Line 6 is the first of `more`; columns are those of the attributes' names.
   CHECK(place_of_error(R"(<sensor type="psd" name="B" topics="range:=/tf" insert_at="ARM"/>)") == "6:29");
   CHECK(place_of_error(R"(<sensor type="psd" name="B" topics="*:=/A" insert_at="ARM"/>)") == "6:29");
-  CHECK(place_of_error(R"(<sensor type="psd" name="B" frame="ARM" insert_at="ARM"/>)") == "6:29");
+  CHECK(place_of_error(R"(<sensor type="psd" name="B" frame="ARM" insert_at="ARM" pose_offset="1 0 0 0 0 0"/>)") ==
+        "6:29");
   CHECK(place_of_error(R"(<sensor type="odometry" name="O" insert_at="ROOT" tf="odom"/>)") == "6:51");
   CHECK(place_of_error(R"(<element type="frame" name="F" insert_at="ARM" frame="map"/>)") == "6:48");
   CHECK(place_of_error(R"(<element type="frame" name="F" insert_at="ARM" frame="f"/>

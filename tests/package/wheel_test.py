@@ -19,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(sys.argv.pop(1)).resolve()
-INFO = "simvis-0.1.0.dist-info"
+INFO = "simvis-0.2.0.dist-info"
 SECONDS = 1_000_000_000  # the date of all entries
 
 

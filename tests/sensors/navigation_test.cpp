@@ -103,6 +103,31 @@ TEST_CASE("errors of an imu: scale and lean of its axes, and angular velocity th
   CHECK(std::abs(turn.x) > 0.1);
 }
 
+TEST_CASE("an imu gives its orientation on request, with errors about the axes of the world") {
+  constexpr std::string_view kScene = R"(<part name="R" insert_at="ROOT"/>
+    <element type="pose" name="MOVE" insert_at="R" roll="20" pitch="-35" yaw="130"/>
+    <sensor type="imu" name="PLAIN" insert_at="R"/>
+    <sensor type="imu" name="EXACT" insert_at="R" orientation="on"/>
+    <sensor type="imu" name="BIASED" insert_at="R" orientation="on" orientation_bias_mean="0.3"/>)";
+  Simulation simulation = Simulation::from_string(kScene);
+  simulation.step();
+  CHECK(simulation.measurement("PLAIN").find("qw") == nullptr);
+  const auto orientation = [&](const char* sensor) {
+    return glm::dquat(simulation.value(sensor, "qw"), simulation.value(sensor, "qx"), simulation.value(sensor, "qy"),
+                      simulation.value(sensor, "qz"));
+  };
+  glm::dmat4 pose;
+  REQUIRE(simulation.sensor_pose("EXACT", pose));
+  const glm::dquat truth = glm::quat_cast(glm::dmat3(pose));
+  constexpr double kRounding = 1e-15;  // some operations on numbers of at most 1
+  CHECK(1 - std::abs(glm::dot(orientation("EXACT"), truth)) <= kRounding);
+  // Each axis has the bias, so the turn is about (1, 1, 1) of the world by sqrt(3) times it.
+  const glm::dquat error = glm::angleAxis(0.3 * std::sqrt(3.0), glm::normalize(glm::dvec3(1)));
+  CHECK(1 - std::abs(glm::dot(orientation("BIASED"), error * truth)) <= kRounding);
+  const std::string refused = R"(<sensor type="imu" name="I" insert_at="ROOT" orientation_stddev="0.1"/>)";
+  CHECK_THROWS_AS(Simulation::from_string(refused), InputError);
+}
+
 TEST_CASE("an imu in free fall feels nothing, and its rate does not matter") {
   Simulation simulation = moving(R"(
     <part name="BODY" insert_at="ROOT"/>

@@ -31,10 +31,7 @@ const std::string kTouchingScene =
 void leave_alone(Simulation& /*simulation*/, std::uint64_t /*frame*/) {}
 
 // The content of a state, and where it begins: behind its hash.
-std::size_t begin_of_content(const std::string& state) {
-  const std::size_t version = state.find("0.1.0");
-  return version + std::string("0.1.0").size() + 16;
-}
+std::size_t begin_of_content(const std::string& state) { return state.find(version()) + version().size() + 16; }
 
 // A state whose content was changed by someone who knows the format.
 std::string with_right_hash(std::string state) {
@@ -136,7 +133,7 @@ TEST_CASE("errors say what does not fit") {
   std::string later = saved.state;
   later[later.find('\n') + 1] = 2;
   CHECK(contains(error_of([&] { saved.simulation.restore_state(later); }),
-                 "the state is of format 2 of SimVis 0.1.0, expected format 1 of SimVis 0.1.0"));
+                 "the state is of format 2 of SimVis " + std::string(version()) + ", expected format 1 of SimVis "));
   Simulation other = Simulation::from_string(kPhysics + ground());
   CHECK(contains(error_of([&] { other.restore_state(saved.state); }),
                  "the state is of another scene: command 4 is missing here, expected a scene of the same commands and "

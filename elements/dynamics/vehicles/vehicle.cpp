@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/trigonometric.hpp>
+#include <optional>
+#include <span>
 #include <string_view>
+#include <utility>
 
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/world/mass.h"
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
@@ -52,6 +56,30 @@ constexpr AttributeSpec kAckermannSpeedRows[] = {
      .live = true},
 };
 
+// The links of ArticulationDesc that joints of the file show, see add_differential() and add_ackermann().
+struct ShownLink {
+  AttributeSpec row;
+  std::size_t link;
+  bool steers = false;
+};
+constexpr AttributeSpec joints_row(std::string_view name, std::string_view text) {
+  return {.name = name, .kind = AttributeKind::text, .text = text};
+}
+constexpr ShownLink kDrivenLinks[] = {
+    {joints_row("left_joints", "elements joint that turn as the left driven wheel, separated by spaces"), 0},
+    {joints_row("right_joints", "elements joint that turn as the right driven wheel, separated by spaces"), 1}};
+constexpr ShownLink kFrontLinks[] = {
+    {joints_row("front_left_joints", "elements joint that turn as the left front wheel"), 3},
+    {joints_row("front_right_joints", "elements joint that turn as the right front wheel"), 5},
+    {joints_row("steer_left_joints", "elements joint that steer as the left front wheel"), 2, true},
+    {joints_row("steer_right_joints", "elements joint that steer as the right front wheel"), 4, true}};
+
+std::vector<AttributeSpec> rows_of_links(std::span<const ShownLink> links) {
+  std::vector<AttributeSpec> rows;
+  for (const ShownLink& each : links) rows.push_back(each.row);
+  return rows;
+}
+
 const ElementRegistration kVehicleRegistration({
     .name = "vehicle",
     .summary = "The part at its insertion point drives on wheels or tracks, by their speeds.",
@@ -94,6 +122,10 @@ AttributeRows<VehicleWheels> VehicleWheels::rows() {
           .only("for an ackermann or mecanum drive and tracks", &Wheels::has_wheelbase),
       row(&Wheels::width_m, "track_width", "m", kLength, "width of each track")
           .only("for a tracked drive", &Wheels::is_tracked),
+      AttributeRows<Wheels>(join_tables({rows_of_links(kDrivenLinks)}))
+          .only("for a differential or ackermann drive", &Wheels::has_motors),
+      AttributeRows<Wheels>(join_tables({rows_of_links(kFrontLinks)}))
+          .only("for an ackermann drive", &Wheels::is_ackermann),
       row(&Wheels::axle_m, "axle", "m", kPlace,
           "x of the driven axle in the part's frame; of a mecanum drive and tracks that of the rear end, of an omni "
           "drive of the middle of its circle"),
@@ -144,9 +176,63 @@ VehicleElement::VehicleElement(const ElementContext& context)
       add_surfaces(tracks(wheels_.axle_m, wheels_.wheelbase_m, wheels_.track_m, wheels_.width_m, wheels_.radius_m));
       break;
   }
+  show_wheels(context);
   transform_->name = name;
   context.scene.insert(context.command, transform_);
   dynamic_->add(*this);
+}
+
+VehicleElement::~VehicleElement() {
+  for (const ShownJoint& each : shown_) {
+    each.driver->value = nullptr;
+    each.driver->speed = nullptr;
+  }
+  dynamic_->remove(*this);
+}
+
+// The axes are compared as the scene stands now: wheels turn about y of the part, forks about z.
+void VehicleElement::show_wheels(const ElementContext& context) {
+  constexpr double kAlongAxis = 0.999;  // cosine: 2.5 degrees for the camber and toe of wheels
+  const std::optional<glm::dmat4> world_from_part = context.scene.world_from_point(point);
+  const auto add = [&](const ShownLink& shown) {
+    if (!context.attributes.is_set(shown.row.name)) return;
+    const Location at = context.attributes.where(shown.row.name);
+    for (const std::string_view word : words_of(context.attributes.text(shown.row.name))) {
+      const auto* const joint = dynamic_cast<const JointElement*>(context.find_element(word));
+      if (joint == nullptr) fail_at(at, "there is no element " + in_quotes(word) + " of type joint");
+      const std::optional<glm::dmat4> world_from_joint = context.scene.world_from_point(joint->point());
+      if (!world_from_part || !world_from_joint)
+        fail_at(at, "joint " + in_quotes(word) + " stands in a part that is off");
+      const glm::dvec3 axis = glm::dmat3(rigid_inverse(*world_from_part) * *world_from_joint) * joint->motion().axis;
+      const double along = shown.steers ? axis.z : axis.y;
+      if (!joint->motion().revolute || std::abs(along) < kAlongAxis) {
+        fail_at(at, "joint " + in_quotes(word) + " does not turn about " + (shown.steers ? "z" : "y") +
+                        " of the part " + in_quotes(point) + ", expected one that turns as " +
+                        (shown.steers ? "a steered wheel does" : "a wheel does"));
+      }
+      const bool is_taken = std::ranges::find(shown_, joint->driver(), &ShownJoint::driver) != shown_.end();
+      if (is_taken || joint->driver()->value) {
+        fail_at(at, "joint " + in_quotes(word) + " is moved by another element, or named twice");
+      }
+      shown_.push_back({.driver = joint->driver(), .link = shown.link, .sign = along < 0 ? -1.0 : 1.0});
+    }
+  };
+  std::ranges::for_each(kDrivenLinks, add);
+  if (wheels_.is_ackermann()) std::ranges::for_each(kFrontLinks, add);
+  for (const ShownJoint& each : shown_) {
+    each.driver->value = [this, &each](std::int64_t time_ns) {
+      dynamic_->advance(time_ns);
+      return id ? shown_deg(each) : each.driver->current;
+    };
+    each.driver->speed = [this, &each]() -> std::optional<double> {
+      if (!id) return std::nullopt;
+      return dynamic_->is_running() ? each.sign * glm::degrees(dynamic_->world()->joint(*id, each.link).speed) : 0;
+    };
+  }
+}
+
+double VehicleElement::shown_deg(const ShownJoint& joint) const {
+  return joint.zero_deg + joint.sign * glm::degrees(dynamic_->world()->joint(*id, joint.link).position);
 }
 
 void VehicleElement::add_wheel(int parent, const glm::dvec3& at, bool spins, double friction) {
@@ -210,9 +296,14 @@ std::size_t VehicleElement::enter(DynamicsWorld& world, const glm::dmat4& world_
   if (!entered_) {
     world_from_parent_ = world_from_point * rigid_inverse(transform_->matrix());
     desc_.world_from_base = world_from_point;
+    for (ShownJoint& each : shown_) each.first_deg = each.driver->current;
     entered_ = true;
   }
   was_set_ = false;
+  for (ShownJoint& each : shown_) {
+    each.zero_deg = each.first_deg;
+    each.driver->was_set = false;
+  }
   return world.add_articulation(desc_);
 }
 
@@ -221,6 +312,10 @@ void VehicleElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world
   was_set_ = false;
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     world.move_surface({*id, static_cast<int>(i) + 1}, surfaces_[i].motion(speeds_[i] * wheels_.radius_m));
+  }
+  for (ShownJoint& each : shown_) {
+    if (!std::exchange(each.driver->was_set, false)) continue;
+    each.zero_deg += each.driver->current - shown_deg(each);
   }
 }
 

@@ -3,6 +3,9 @@
 //   <element type="vehicle" name="DRIVE" insert_at="MARVIN" mass="30" wheel_radius="0.1" track="0.4" left="90"/>
 //
 // Frames      the part's: x forward, z up; the wheels stand on its plane z = 0.
+// Joints      of the part's file may turn as the wheels do, so that cameras see them turn and a sensor joint_state
+//             reports them: left_joints="wheel_left_joint". Physics then writes the values of these elements `joint`.
+//             One that is set turns the wheel on from there.
 // Parameters  x y z (m), roll pitch yaw (deg): as of an element `body`. Differential drive and tracks: left and right,
 //             the speeds of the wheels (deg/s). Ackermann: speed of the rear wheels (deg/s) and steer, the angle of a
 //             wheel in the middle of the front axle (deg, positive to the left). Mecanum: front_left, front_right,
@@ -18,6 +21,7 @@
 #include "elements/command_source.h"
 #include "elements/dynamics/dynamic_scene.h"
 #include "elements/dynamics/vehicles/vehicle_surfaces.h"
+#include "elements/joint.h"
 #include "elements/pose_rows.h"
 #include "scenegraph/language/attribute_rows.h"
 
@@ -45,13 +49,14 @@ class VehicleElement : public Element, public Stateful, private DynamicObject {
  public:
   /// Throws InputError: no physics, no part, what body_rows.h says, a parameter of the other drive.
   explicit VehicleElement(const ElementContext& context);
-  ~VehicleElement() override { dynamic_->remove(*this); }
+  ~VehicleElement() override;
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
   bool moves_itself() const override { return true; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
   void archive(StateArchive& state) override {
     state(desc_.world_from_base, entered_, was_set_, world_from_parent_, written_);
+    for (ShownJoint& each : shown_) state(each.first_deg, each.zero_deg);
   }
 
   /// The values of its parameters with which it moves so, as far as its wheels allow.
@@ -65,15 +70,26 @@ class VehicleElement : public Element, public Stateful, private DynamicObject {
   void add_steering(double y);
   void add_surfaces(std::vector<VehicleSurface> surfaces);
   void drive_wheels(DynamicsWorld& world) const;
+  void show_wheels(const ElementContext& context);
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void before_step(DynamicsWorld& world, double share) override;
   DynamicParts parts() const override { return {.mass = &desc_.mass, .shapes = desc_.shapes, .links = desc_.links}; }
 
+  // A joint of the part's file that turns as a wheel or a fork does.
+  struct ShownJoint {
+    std::shared_ptr<JointDriver> driver;
+    std::size_t link = 0;                // in desc_
+    double sign = 1;                     // -1: its axis points the other way
+    double first_deg = 0, zero_deg = 0;  // its value where the link has not turned: at the start, and now
+  };
+  double shown_deg(const ShownJoint& joint) const;
+
   std::shared_ptr<DynamicScene> dynamic_;
   std::shared_ptr<Transform> transform_;
   VehicleWheels wheels_;
   ArticulationDesc desc_;
+  std::vector<ShownJoint> shown_;  // keeps its place: drivers refer to its members
   bool entered_ = false, was_set_ = false;
   glm::dmat4 world_from_parent_{1.0};
   std::array<double, kPoseValues> written_{};

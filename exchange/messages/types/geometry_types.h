@@ -102,6 +102,12 @@ struct TwistWithCovariance {
   std::array<double, 36> covariance{};
 };
 
+struct TwistWithCovarianceStamped {
+  SIMVIS_MESSAGE("geometry_msgs/msg/TwistWithCovarianceStamped", header, twist);
+  Header header;
+  TwistWithCovariance twist;
+};
+
 /// The pose is in header.frame_id, the twist in child_frame_id.
 struct Odometry {
   SIMVIS_MESSAGE("nav_msgs/msg/Odometry", header, child_frame_id, pose, twist);

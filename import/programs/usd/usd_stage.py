@@ -194,9 +194,16 @@ class Stage:
         hfov = math.degrees(2 * math.atan(wide / (2 * length)))
         near = camera.GetClippingRangeAttr().Get(self.time)[0] * self.metres
         rows = max(1, round(640 * high / wide))
+        across = camera.GetHorizontalApertureOffsetAttr().Get(self.time) or 0
+        up = camera.GetVerticalApertureOffsetAttr().Get(self.time) or 0
+        lens = ""
+        if across or up:  # the aperture is moved, and the optical axis in the picture the other way
+            focal = 640 * length / wide
+            lens = (f' distortion="brown_conrady" fx="{focal!r}" fy="{focal!r}" cx="{640 * (0.5 - across / wide) - 0.5!r}" '
+                    f'cy="{rows * (0.5 + up / high) - 0.5!r}"')
         self.commands.append(
             f'<sensor type="camera" name="{point}" insert_at="{point}" width="640" height="{rows}" '
-            f'hfov="{hfov!r}" near="{max(near, 1e-6)!r}"/>'
+            f'hfov="{hfov!r}" near="{max(near, 1e-6)!r}"{lens}/>'
         )
 
     def add_instances(self, instancer, node):

@@ -1,0 +1,173 @@
+#include "import/sdf/sdf_messages.h"
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+
+#include "scenegraph/language/frame_name.h"
+#include "scenegraph/language/topic_name.h"
+
+namespace simvis {
+namespace {
+
+struct NamedTag {
+  const char* tag;
+  const char* what;  // the kind of message
+};
+constexpr NamedTag kCameraTags[] = {{"imageTopicName", "image_raw"},
+                                    {"cameraInfoTopicName", "camera_info"},
+                                    {"depthImageTopicName", "depth/image_raw"},
+                                    {"depthImageInfoTopicName", "depth/camera_info"},
+                                    {"depthImageCameraInfoTopicName", "depth/camera_info"},
+                                    {"pointCloudTopicName", "points"}};
+// The message of a sensor that sends one, by its type.
+constexpr NamedTag kMessages[] = {{"imu", "imu"},
+                                  {"gnss", "fix"},
+                                  {"magnetometer", "magnetic_field"},
+                                  {"barometer", "pressure"},
+                                  {"thermal_camera", "thermal/image_raw"},
+                                  {"force_torque", "wrench"}};
+constexpr const char* kTopicTags[] = {"topicName", "topic_name", "topic"};
+constexpr const char* kFrameTags[] = {"frameName", "frame_name", "frameId", "frame_id"};
+constexpr const char* kOwnFrameTags[] = {"gz_frame_id", "ignition_frame_id", "frame_id"};
+// Parts of the file names of plug-ins that publish a sensor.
+constexpr std::string_view kPublishers[] = {"gazebo_ros_", "hector_gazebo", "velodyne_laser"};
+
+std::string first_text(const SdfElement& parent, std::span<const char* const> tags) {
+  for (const char* const tag : tags) {
+    if (const SdfElement found = parent.child(tag); found && !found.text().empty()) return found.text();
+  }
+  return "";
+}
+
+/// A topic in a namespace, as ROS resolves it.
+std::string resolved(const std::string& space, const std::string& topic) {
+  if (topic.starts_with('/')) return topic;
+  std::string all;
+  for (const std::string& part : {space, topic}) {
+    const std::size_t first = part.find_first_not_of('/');
+    if (first != part.npos) all += "/" + part.substr(first, part.find_last_not_of('/') + 1 - first);
+  }
+  return all;
+}
+
+bool is_publisher(const SdfElement& plugin) {
+  const std::string file = plugin.attribute("filename");
+  return std::ranges::any_of(kPublishers, [&](std::string_view part) { return file.find(part) != file.npos; });
+}
+
+std::string message_of(std::string_view type, const SdfElement& plugin) {
+  if (type == "laser_scanner") {
+    const std::string file = plugin.attribute("filename"), form = plugin.child("output_type").text();
+    const bool is_cloud = form.find("PointCloud") != form.npos || file.find("velodyne") != file.npos ||
+                          file.find("block_laser") != file.npos;
+    return is_cloud ? "points" : "scan";
+  }
+  const auto* const found =
+      std::ranges::find_if(kMessages, [&](const NamedTag& each) { return type == std::string_view(each.tag); });
+  return found == std::end(kMessages) ? "" : found->what;
+}
+
+/// <remapping>OWN:=TOPIC</remapping> of a plug-in of ROS 2, by OWN without ~ and / in front.
+std::vector<std::pair<std::string, std::string>> remappings(const SdfElement& ros) {
+  constexpr std::string_view kIs = ":=";
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const SdfElement& child : ros.children()) {
+    if (child.tag() != "remapping" && child.tag() != "argument") continue;
+    const std::string text = child.text();
+    const std::size_t is = text.find(kIs);
+    if (is == text.npos) continue;
+    std::string own = text.substr(0, is);
+    own.erase(0, std::min(own.find_first_not_of("~/"), own.size()));
+    all.emplace_back(std::move(own), text.substr(is + kIs.size()));
+  }
+  return all;
+}
+
+}  // namespace
+
+void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, const std::string& sensor,
+                              Names& names) {
+  const SdfElement ros = plugin.child("ros");
+  const std::string space = ros ? ros.child("namespace").text() : plugin.child("robotNamespace").text();
+  const auto add = [&](std::string what, const std::string& topic) {
+    if (!what.empty() && !topic.empty()) names.topics.emplace_back(std::move(what), resolved(space, topic));
+  };
+  if (type == "camera") {
+    const std::string base = (ros ? plugin.child("camera_name") : plugin.child("cameraName")).text();
+    const std::string camera = ros && base.empty() ? sensor : base;
+    for (const NamedTag& each : kCameraTags) {
+      const std::string own = ros ? each.what : plugin.child(each.tag).text();
+      if (own.empty() || camera.empty()) continue;
+      add(each.what, own.starts_with('/') ? own : camera + "/" + own);
+    }
+    for (const auto& [own, topic] : remappings(ros)) {
+      const std::string kind = own.starts_with(camera + "/") ? own.substr(camera.size() + 1) : own;
+      std::erase_if(names.topics, [&](const auto& each) { return each.first == kind; });
+      add(kind, topic);
+    }
+  } else {
+    const std::string what = message_of(type, plugin);
+    add(what, first_text(plugin, kTopicTags));
+    for (const auto& [own, topic] : remappings(ros)) {
+      if (own == "out") add(what, topic);
+    }
+  }
+  if (std::string frame = first_text(plugin, kFrameTags); !frame.empty()) names.frame = std::move(frame);
+  names.where = plugin;
+}
+
+void SdfMessages::add(const SdfElement& sensor, std::string_view type, const SdfPlace& place, bool has_offset,
+                      SdfCommand& command, ImportReport& report) {
+  Names names{.topics = {}, .frame = first_text(sensor, kOwnFrameTags), .where = sensor};
+  if (const std::string topic = sensor.child("topic").text(); !topic.empty()) {
+    if (type == "camera") names.topics.emplace_back("image_raw", resolved("", topic));
+    const std::string what = message_of(type, sensor);
+    if (!what.empty()) names.topics.emplace_back(what, resolved("", topic));
+    if (what == "scan") names.topics.emplace_back("points", resolved(topic, "points"));
+  }
+  for (const SdfElement& child : sensor.children()) {
+    if (child.tag() != "plugin") continue;
+    if (is_publisher(child)) {
+      read_plugin(child, type, place.name, names);
+    } else {
+      report.leave_out("element <plugin>", child.at());
+    }
+  }
+  write(names, type, place, has_offset, command, report);
+}
+
+void SdfMessages::add_plugin(const SdfElement& plugin, std::string_view type, const SdfPlace& place,
+                             SdfCommand& command, ImportReport& report) {
+  Names names;
+  read_plugin(plugin, type, place.name, names);
+  write(names, type, place, false, command, report);
+}
+
+void SdfMessages::write(const Names& names, std::string_view type, const SdfPlace& place, bool has_offset,
+                        SdfCommand& command, ImportReport& report) {
+  std::string topics;
+  std::set<std::string> kinds;
+  for (const auto& [what, topic] : names.topics) {
+    if (!kinds.insert(what).second) continue;
+    if (!is_topic_name(topic) || !topics_.insert(topic).second) {
+      report.leave_out("a topic that ROS 2 does not take or that another sensor of the file has", names.where.at());
+      continue;
+    }
+    topics += (topics.empty() ? "" : " ") + what + ":=" + topic;
+  }
+  if (!topics.empty()) command.add("topics", topics);
+  std::string frame = names.frame.substr(std::min(names.frame.find_first_not_of('/'), names.frame.size()));
+  if (frame.empty()) return;
+  const bool is_own_link = frame == place.insert_at && !has_offset;
+  // The images of a camera have the frame of the sensor with this ending.
+  constexpr std::string_view kOptical = "_optical";
+  if (type == "camera" && frame.ends_with(kOptical) && !links_.contains(frame)) {
+    frame.erase(frame.size() - kOptical.size());
+  }
+  const bool is_new = is_own_link || (!links_.contains(frame) && frames_.insert(frame).second);
+  if (is_new && is_frame_name(frame)) return command.add("frame", frame);
+  report.leave_out("a frame of a sensor that is another link, or another sensor's", names.where.at());
+}
+
+}  // namespace simvis
