@@ -32,12 +32,17 @@ std::string stages(const std::vector<std::string>& options) {
 std::string calls_of_test(const std::vector<std::string>& options, const std::string& failing, int exit_code) {
   const TemporaryFolder folder;
   fs::create_directories(folder / "tools");
+  fs::create_directories(folder / "bench/programs");
   fs::copy_file(kGateRoot / "test", folder / "test");
-  for (const char* name : {"install", "python_tools", "build", "check_clang", "check_commits", "check_tidy",
-                           "check_tsan", "check_deb", "site", "skipped_tests", "touched_tests", "ctest"}) {
-    const fs::path file = folder / (name == std::string("ctest") ? "ctest" : "tools/" + std::string(name));
-    write_text(file, std::string("#!/bin/sh\necho ") + name + " \"$*\"\n[ " + name + " != '" + failing + "' ]\n");
+  const auto add_program = [&](const fs::path& file, const std::string& name) {
+    write_text(file, "#!/bin/sh\necho " + name + " \"$*\"\n[ " + name + " != '" + failing + "' ]\n");
     fs::permissions(file, fs::perms::owner_all);
+  };
+  add_program(folder / "bench/programs/run", "programs");
+  add_program(folder / "ctest", "ctest");
+  for (const char* name : {"install", "python_tools", "build", "check_clang", "check_commits", "check_tidy",
+                           "check_tsan", "check_deb", "site", "skipped_tests", "touched_tests"}) {
+    add_program(folder / "tools" / name, name);
   }
   // On a bare machine there is no git before the packages are installed.
   write_text(folder / "tools/install", "#!/bin/sh\necho install \"$*\"\ntouch installed\n");
@@ -163,7 +168,7 @@ TEST_CASE("./test runs the suite; --all checks what the change touches, and --ev
   const std::string everything = calls_of_test({"--everything"}, "", 0);
   CHECK(has(everything, "build asan all"));
   CHECK(everything.find("--label-regex") == everything.npos);
-  for (const std::string check : {"check_clang ", "check_tidy ", "check_tsan ", "check_deb ", "site "})
+  for (const std::string check : {"check_clang ", "check_tidy ", "check_tsan ", "check_deb ", "programs ", "site "})
     CHECK(has(everything, check));
   CHECK(calls_of_test({}, "skipped_tests", 1).find("     0 s  suite\n") == std::string::npos);
   const std::string failed = calls_of_test({"--all"}, "check_tidy", 1);
