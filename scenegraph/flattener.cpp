@@ -57,10 +57,14 @@ void Flattener::content_changed(Node& node) { changed_.push_back(&node); }
 void Flattener::structure_changed() { structure_changed_ = true; }
 
 bool Flattener::find_mount(const Mount& mount, glm::dmat4& world_from_mount) const {
+  const std::optional<std::uint32_t> transform = transform_of(mount);
+  if (transform) world_from_mount = list_.world_from_node[*transform];
+  return transform.has_value();
+}
+
+std::optional<std::uint32_t> Flattener::transform_of(const Mount& mount) const {
   const auto found = mounts_.find(&mount);
-  if (found == mounts_.end()) return false;
-  world_from_mount = list_.world_from_node[found->second];
-  return true;
+  return found == mounts_.end() ? std::nullopt : std::optional(found->second);
 }
 
 void Flattener::watch(std::unordered_set<const Node*> points) {

@@ -61,6 +61,8 @@ class Flattener : public NodeObserver {
   /// Gives the pose of a mount as of the last update(): world_from_mount of its first occurrence. Returns false if the
   /// traversal did not reach the mount, for example below a switch that is off.
   bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const;
+  /// The place of that occurrence in DrawList::world_from_node; none if the traversal did not reach the mount.
+  std::optional<std::uint32_t> transform_of(const Mount& mount) const;
 
   /// What stands at an insertion point.
   struct PointPlace {
@@ -75,6 +77,8 @@ class Flattener : public NodeObserver {
 
   /// The node of an entry of world_from_node; null: the identity, entry 0.
   const Transform* node_of(std::uint32_t transform) const { return entries_[transform].node; }
+  /// The entry that is in force in front of an entry of world_from_node; of entry 0: itself.
+  std::uint32_t parent_of(std::uint32_t transform) const { return entries_[transform].parent; }
 
   /// By item of the last update().
   const std::vector<ItemSource>& item_sources() const { return item_sources_; }

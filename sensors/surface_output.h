@@ -24,14 +24,15 @@ namespace simvis {
 ///
 /// Frames   V = view frame of the camera at the time of the pixel's row: x right, y down, z forward.
 struct PixelSurface {
-  const DrawList& list;                        ///< as the pixel sees it
-  ItemIds ids;                                 ///< with kSurfaceIds
-  std::uint32_t item = 0;                      ///< in DrawList::items; with kSurfaceItems
-  double range_m = 0;                          ///< along the ray through the centre
-  glm::dvec3 point_m{0};                       ///< V
-  glm::dvec3 normal{0};                        ///< V, unit length, towards the camera; NaN unless the ray is cast
-  double depth_bound_m = 0;                    ///< of the error of its depth; +infinity: none; with kSurfaceDepthBound
-  const glm::dmat4* mesh_from_view = nullptr;  ///< with kSurfaceMesh; null for Gaussian splats
+  const DrawList& list;      ///< as the pixel sees it
+  ItemIds ids;               ///< with kSurfaceIds
+  std::uint32_t item = 0;    ///< in DrawList::items; with kSurfaceItems
+  double range_m = 0;        ///< along the ray through the centre
+  glm::dvec3 point_m{0};     ///< V
+  glm::dvec3 normal{0};      ///< V, unit length, towards the camera; NaN unless the ray is cast
+  double depth_bound_m = 0;  ///< of the error of its depth; +infinity: none; with kSurfaceDepthBound
+  /// From V to metres along the axes of the item's mesh, from its origin; with kSurfaceMesh. Null for Gaussian splats.
+  const glm::dmat4* mesh_from_view = nullptr;
 };
 
 /// What an output needs of a surface. The values are summed.

@@ -242,7 +242,9 @@ DueState SimulationImpl::due_state(std::size_t sensor, const FrameTime& time) {
   const BuiltSensor& built = scene.built.sensors[sensor];
   if (!sensors.all[sensor].enabled) return DueState::off;
   if (!timeline.fires(built.sensor->rate_hz, time)) return DueState::waiting;
-  return pose(built, sensors.all[sensor].world_from_sensor) ? DueState::due : DueState::hidden;
+  if (pose(built, sensors.all[sensor].world_from_sensor)) return DueState::due;
+  sensed.hide(sensors.all[sensor].sensor);
+  return DueState::hidden;
 }
 
 void SimulationImpl::measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results) {

@@ -60,7 +60,10 @@ class SensedWorlds::World : public SensedWorld {
 
   glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const override {
     SIMVIS_ASSERT(sensed_.needs.item_motion);
-    return sensed_.items.velocity_mps(*worlds_.list_, item, point_m);
+    const std::uint32_t transform = worlds_.list_->items[item].transform;
+    if (transform >= sensed_.before.size() || !sensed_.before[transform]) return glm::dvec3(0);
+    const double seconds = static_cast<double>(*sensed_.due_ns - *sensed_.before_ns) / 1e9;
+    return matter_velocity_mps(*sensed_.before[transform], worlds_.list_->world_from_node[transform], point_m, seconds);
   }
 
   ItemRange items_of(std::string_view point) const override {
@@ -77,7 +80,8 @@ class SensedWorlds::World : public SensedWorld {
       const Flattener::PointPlace* const place = worlds_.flattener_->find_point(*point.node);
       glm::dmat4 rigid;
       if (place == nullptr || !rigid_mount_frame(worlds_.list_->world_from_node[place->transform], rigid)) continue;
-      found.push_back({point.name, number, rigid});
+      found.push_back({.name = point.name, .number = number, .world_from_point = rigid});
+      if (place->transform < sensed_.paths.size()) found.back().path = sensed_.paths[place->transform];
     }
     return found;
   }
@@ -85,13 +89,13 @@ class SensedWorlds::World : public SensedWorld {
   std::vector<SensedJoint> joints() const override {
     std::vector<SensedJoint> found;
     for (const Joint& joint : sensed_.joints) {
-      const Value& value = worlds_.joints_.at(joint.leader);
+      const Value& value = sensed_.joint_values.at(joint.leader);
       const double unit = joint.slides ? 1 : glm::radians(1.0);
       const auto& leader = dynamic_cast<const JointElement&>(*worlds_.scene_->elements[joint.leader]);
       const double speed = leader.speed().value_or(value.mean_speed());
       found.push_back({.name = worlds_.scene_->parameters.elements()[joint.element].name,
                        .slides = joint.slides,
-                       .position = (joint.multiplier * value.now + joint.offset) * unit,
+                       .position = (joint.multiplier * value.now->value + joint.offset) * unit,
                        .velocity = joint.multiplier * speed * unit,
                        .effort = joint.element == joint.leader ? leader.effort() : std::nullopt});
     }
@@ -101,6 +105,11 @@ class SensedWorlds::World : public SensedWorld {
   std::span<const ItemMove> item_moves() const override {
     SIMVIS_ASSERT(sensed_.needs.item_moves);
     return sensed_.moves;
+  }
+
+  const MotionPath& sensor_path() const override {
+    SIMVIS_ASSERT(sensed_.needs.item_moves);
+    return sensed_.path;
   }
 
   ItemIds item_ids() const override {
@@ -181,9 +190,12 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
     SensorNeeds needs = sensor.sensor->needs();
     if (needs.none()) continue;
     Sensed& sensed = sensed_[sensor.id];
+    std::map<std::size_t, Value> known_joints;
     if (const auto known = before.find(sensor.id); known != before.end()) {
       sensed.poses = known->second.poses;
-      sensed.items = std::move(known->second.items);
+      sensed.due_ns = known->second.due_ns;
+      sensed.before_ns = known->second.before_ns;
+      known_joints = std::move(known->second.joint_values);
       sensed.on = known->second.on;
       sensed.body_m = known->second.body_m;
     }
@@ -210,6 +222,7 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
     }
     if (needs.motion) sensed.above = points_above(*scene.scene.root(), *sensor.mount);
     if (!needs.joints_of.empty()) sensed.joints = joints_of(scene, needs.joints_of);
+    for (const Joint& joint : sensed.joints) sensed.joint_values[joint.leader] = known_joints[joint.leader];
     sensed.needs = std::move(needs);
     sensed.world = std::make_unique<World>(*this, sensed);
   }
@@ -251,10 +264,29 @@ void SensedWorlds::follow_body(Sensed& sensed, const glm::dvec3& place_m) {
 void SensedWorlds::update(const BuiltScene& scene, const Flattener& flattener, const DrawList& list,
                           const FrameTime& time) {
   list_ = &list;
+  // Where sensors decide which frames there are, each one compares its own.
   for (auto& [id, sensed] : sensed_) {
-    if (sensed.on && sensed.needs.motion && !sensed.needs.item_motion) follow_pose(sensed, flattener, time);
+    if (!sensed.on || time.when_due) continue;
+    if (sensed.needs.motion && !sensed.needs.item_motion) follow_pose(sensed, flattener, time);
+    follow_joints(sensed, scene.parameters, time);
   }
-  follow_joints(scene.parameters, time);
+  follow_scene(flattener, list, time);
+}
+
+void SensedWorlds::follow_scene(const Flattener& flattener, const DrawList& list, const FrameTime& time) {
+  bool is_needed = false;
+  std::int64_t first_ns = time.time_ns;
+  for (const auto& [id, sensed] : sensed_) {
+    if (!sensed.on || !(sensed.needs.item_moves || sensed.needs.item_motion)) continue;
+    is_needed = true;
+    // Its last frame may be made again.
+    first_ns = std::min(first_ns, sensed.before_ns.value_or(sensed.due_ns.value_or(first_ns)));
+  }
+  if (!is_needed) return scene_motion_.reset();
+  if (!scene_motion_) scene_motion_.emplace();
+  scene_motion_->forget_before(first_ns);
+  scene_motion_->update(flattener, list, time.time_ns);
+  motions_ += list.world_from_node.size();
 }
 
 void SensedWorlds::follow_pose(Sensed& sensed, const Flattener& flattener, const FrameTime& time) {
@@ -268,34 +300,54 @@ void SensedWorlds::follow_pose(Sensed& sensed, const Flattener& flattener, const
   }
 }
 
-void SensedWorlds::follow_joints(const Parameters& parameters, const FrameTime& time) {
-  std::unordered_set<std::size_t> needed;
-  for (const auto& [id, sensed] : sensed_) {
-    if (!sensed.on) continue;
-    for (const Joint& joint : sensed.joints) needed.insert(joint.leader);
-  }
-  std::erase_if(joints_, [&](const auto& joint) { return !needed.contains(joint.first); });
-  for (const std::size_t joint : needed) {
-    const double value_now = parameters.values()[parameters.elements()[joint].first_value];
-    const auto [found, is_new] = joints_.try_emplace(joint);
-    Value& value = found->second;
+void SensedWorlds::follow_joints(Sensed& sensed, const Parameters& parameters, const FrameTime& time) {
+  for (auto& [joint, values] : sensed.joint_values) {
     ++motions_;
-    if (!is_new && value.now_ns != time.time_ns) {
-      value.before = value.now;
-      value.before_ns = value.now_ns;
-      value.known = true;
-    }
-    value.now = value_now;
-    value.now_ns = time.time_ns;
+    if (values.now && values.now->time_ns != time.time_ns) values.before = values.now;
+    values.now = {time.time_ns, parameters.values()[parameters.elements()[joint].first_value]};
   }
+}
+
+// A frame that is made again follows the same frame before.
+void SensedWorlds::follow_moves(Sensed& sensed, const FrameTime& time) {
+  if (sensed.due_ns && *sensed.due_ns < time.time_ns) sensed.before_ns = sensed.due_ns;
+  sensed.due_ns = time.time_ns;
+  sensed.moves.clear();
+  sensed.paths.clear();
+  sensed.before.clear();
+  sensed.path = {};
+  if (!sensed.before_ns) return;
+  if (sensed.needs.item_motion) sensed.before = scene_motion_->world_from_node(*sensed.before_ns);
+  if (!sensed.needs.item_moves) return;
+  std::vector<std::int64_t> times_ns{*sensed.before_ns, time.time_ns};
+  // Frames that other sensors decide have no part in what this one measures.
+  if (!time.when_due && !sensed.needs.moves_in_one_piece) times_ns = scene_motion_->times_from(*sensed.before_ns);
+  sensed.paths = scene_motion_->paths(times_ns);
+  for (std::uint32_t i = 0; i < list_->items.size(); ++i) {
+    const std::shared_ptr<const MotionPath>& path = sensed.paths[list_->items[i].transform];
+    if (path != nullptr && list_->items[i].visible) sensed.moves.push_back({i, path});
+  }
+  const std::optional<std::uint32_t> mount = flattener_->transform_of(*sensed.mount);
+  if (mount && sensed.paths[*mount] != nullptr) sensed.path = *sensed.paths[*mount];
+}
+
+void SensedWorlds::forget_motion(Sensed& sensed) {
+  sensed.poses.clear();
+  sensed.due_ns.reset();
+  sensed.before_ns.reset();
 }
 
 void SensedWorlds::enable(std::size_t sensor_id, bool on) {
   const auto found = sensed_.find(sensor_id);
   if (found == sensed_.end()) return;
   found->second.on = on;
-  found->second.poses.clear();
+  forget_motion(found->second);
   follow_physics();
+}
+
+void SensedWorlds::hide(std::size_t sensor_id) {
+  const auto found = sensed_.find(sensor_id);
+  if (found != sensed_.end()) forget_motion(found->second);
 }
 
 const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& seen, const FrameTime& time) {
@@ -303,13 +355,11 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& see
   if (found == sensed_.end()) return nullptr;
   Sensed& sensed = found->second;
   sensed.seen = &seen;
-  if (sensed.needs.item_moves || sensed.needs.item_motion) {
-    sensed.items.update(*flattener_, *list_, time.time_ns);
-    motions_ += list_->world_from_node.size();
-  }
-  if (sensed.needs.item_moves) sensed.moves = sensed.items.moves(*list_);
+  if (sensed.needs.item_moves || sensed.needs.item_motion) follow_moves(sensed, time);
   // Its own motion is compared with that of items, which is the mean of the same time.
-  if (sensed.needs.motion && sensed.needs.item_motion) follow_pose(sensed, *flattener_, time);
+  const bool in_due_frames = time.when_due || sensed.needs.item_motion;
+  if (sensed.needs.motion && in_due_frames) follow_pose(sensed, *flattener_, time);
+  if (time.when_due) follow_joints(sensed, scene_->parameters, time);
   const bool needs_ids =
       sensed.needs.item_ids || sensed.needs.objects || sensed.needs.scene || !sensed.needs.contacts_of.empty();
   if (needs_ids) ids_.update(scene_->scene, *flattener_);
@@ -319,15 +369,15 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& see
 }
 
 void SensedWorlds::archive(StateArchive& state) {
-  std::optional<TransformNumbers> numbers;
   for (auto& [id, sensed] : sensed_) {
-    state(sensed.poses, sensed.body_m, sensed.stays);
-    if (!sensed.needs.item_moves && !sensed.needs.item_motion) continue;
-    if (!numbers) numbers.emplace(*scene_->scene.root());
-    sensed.items.archive(state, *numbers);
+    state(sensed.poses, sensed.body_m, sensed.stays, sensed.due_ns, sensed.before_ns);
+    for (auto& [joint, value] : sensed.joint_values) state(value);
   }
-  state(joints_);
-  for (const auto& [joint, value] : joints_) state.require(joint < scene_->parameters.elements().size());
+  bool is_followed = scene_motion_.has_value();
+  state(is_followed);
+  if (!is_followed) return scene_motion_.reset();
+  if (!scene_motion_) scene_motion_.emplace();
+  scene_motion_->archive(state, TransformNumbers(*scene_->scene.root()));
 }
 
 }  // namespace simvis

@@ -17,6 +17,7 @@
 #include "elements/sensed_physics.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/motion.h"
+#include "scenegraph/scene_motion.h"
 #include "simvis/item_heat_table.h"
 #include "simvis/object_ids.h"
 #include "simvis/scene_builder.h"
@@ -35,6 +36,9 @@ class SensedWorlds {
 
   /// Nothing is computed for a sensor that is off. It is on at first.
   void enable(std::size_t sensor_id, bool on);
+
+  /// The sensor is due and hidden: when it is seen again, it has no motion yet.
+  void hide(std::size_t sensor_id);
 
   /// The world as the sensor of this id sees it, which is due in the frame of the last update(), skipped or not; null
   /// if it needs nothing. `seen` is the list of that update() as the sensor sees it, see IgnoredItems.
@@ -55,11 +59,16 @@ class SensedWorlds {
  private:
   class World;
   struct Value {
-    double now = 0, before = 0;
-    std::int64_t now_ns = 0, before_ns = 0;
-    bool known = false;  // `before` is
-    void archive(StateArchive& state) { state(now, before, now_ns, before_ns, known); }
-    double mean_speed() const { return known ? (now - before) * 1e9 / static_cast<double>(now_ns - before_ns) : 0; }
+    struct At {
+      std::int64_t time_ns = 0;
+      double value = 0;
+      void archive(StateArchive& state) { state(time_ns, value); }
+    };
+    std::optional<At> now, before;
+    void archive(StateArchive& state) { state(now, before); }
+    double mean_speed() const {
+      return before ? (now->value - before->value) * 1e9 / static_cast<double>(now->time_ns - before->time_ns) : 0;
+    }
   };
   struct Point {
     std::string name;
@@ -85,9 +94,13 @@ class SensedWorlds {
     bool stays = false;                // there since the last frame
     std::vector<Point> points;         // that match the pattern
     std::vector<Joint> joints;
-    std::map<std::string, Point> parts;  // by name
-    ItemMotions items;                   // from one frame in which the sensor is due to the next
+    std::map<std::size_t, Value> joint_values;             // of leaders, by index in Parameters::elements()
+    std::map<std::string, Point> parts;                    // by name
+    std::optional<std::int64_t> due_ns, before_ns;         // the last frames in which it was due
+    std::vector<std::shared_ptr<const MotionPath>> paths;  // by transform, since before_ns
+    std::vector<std::optional<glm::dmat4>> before;         // by transform, at before_ns
     std::vector<ItemMove> moves;
+    MotionPath path;
     const DrawList* seen = nullptr;        // of the last look()
     std::span<const SceneObject> objects;  // of the frame
     std::unique_ptr<SensedWorld> world;
@@ -95,10 +108,13 @@ class SensedWorlds {
   void follow_physics();
   void follow_pose(Sensed& sensed, const Flattener& flattener, const FrameTime& time);
   void follow_body(Sensed& sensed, const glm::dvec3& place_m);
-  void follow_joints(const Parameters& parameters, const FrameTime& time);
+  static void forget_motion(Sensed& sensed);
+  void follow_joints(Sensed& sensed, const Parameters& parameters, const FrameTime& time);
+  void follow_scene(const Flattener& flattener, const DrawList& list, const FrameTime& time);
+  void follow_moves(Sensed& sensed, const FrameTime& time);
 
-  std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id
-  std::map<std::size_t, Value> joints_;   // of leaders, by index in Parameters::elements()
+  std::map<std::size_t, Sensed> sensed_;     // by BuiltSensor::id
+  std::optional<SceneMotion> scene_motion_;  // empty unless a sensor that is on needs it
   ObjectIds ids_;
   ItemHeatTable heat_;
   std::shared_ptr<SensedPhysics> physics_;  // null without a sensor that asks for it

@@ -28,19 +28,20 @@ std::unique_ptr<CameraEffect> create_motion_blur(const CameraEffectContext& cont
 }
 
 const CameraEffectRegistration kMotionBlurRegistration(
-    {.type = {.name = "motion_blur",
-              .summary = "Colour that is exposed for a time while the camera and the world move.",
-              .notes =
-                  "The exposure ends at the time of the frame, or of the row. The camera and all things move on "
-                  "screws between the last measurement and this one. Lights and shadows are those of the time of the "
-                  "frame. It does not change brightness: see exposure.",
-              .source = "attribute exposure_time above 0",
-              .outputs = kShownInColor,
-              .knob = "motion_samples",
-              .reference = "the share of the exposure that a pixel sees each surface, from the motion of its edges; "
-                           "Haeberli and Akeley, The accumulation buffer, SIGGRAPH 1990",
-              .needs = kHasPixelRays,
-              .attributes = kMotionBlurAttributes},
+    {.type =
+         {.name = "motion_blur",
+          .summary = "Colour that is exposed for a time while the camera and the world move.",
+          .notes =
+              "The exposure ends at the time of the frame, or of the row. The camera and all things move along "
+              "their joints between the last measurement and this one. Lights and shadows are those of the time of the "
+              "frame. It does not change brightness: see exposure.",
+          .source = "attribute exposure_time above 0",
+          .outputs = kShownInColor,
+          .knob = "motion_samples",
+          .reference = "the share of the exposure that a pixel sees each surface, from the motion of its edges; "
+                       "Haeberli and Akeley, The accumulation buffer, SIGGRAPH 1990",
+          .needs = kHasPixelRays,
+          .attributes = kMotionBlurAttributes},
      .order = CameraOrder::shutter,
      .create = create_motion_blur});
 

@@ -29,9 +29,10 @@ std::unique_ptr<CameraEffect> create_rolling_shutter(const CameraEffectContext& 
 const CameraEffectRegistration kRollingShutterRegistration(
     {.type = {.name = "rolling_shutter",
               .summary = "Rows that are exposed one after the other while the camera and the world move.",
-              .notes = "The last row is exposed at the time of the frame. The camera and all things move "
-                       "on screws between the last measurement and this one. Lights and shadows are those of the "
-                       "time of the frame.",
+              .notes =
+                  "The last row is exposed at the time of the frame. The camera and all things move "
+                  "along their joints between the last measurement and this one. Lights and shadows are those of the "
+                  "time of the frame.",
               .source = "attribute row_time above 0",
               .outputs = kShownInColor | kShownInDepth,
               .knob = "rows_per_pose",

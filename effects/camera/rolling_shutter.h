@@ -3,9 +3,9 @@
 //   <sensor type="camera" ... row_time="3e-5" rows_per_pose="8"/>
 //
 // The last row is exposed at the frame's time, the first row (height - 1) row times earlier. Each row is rendered from
-// the camera's pose at its own time, on the screw motion from its pose at the previous measurement to this one: see
-// pose_between() in scenegraph/motion.h. At its first measurement the camera is at rest. Other things move on such
-// screws too, so that what is fixed to the camera stands still in its pictures. Lights and shadows, and things that are
+// the camera's pose at its own time, on its path from the previous measurement to this one: see <simvis/motion_path.h>.
+// At its first measurement the camera is at rest. Other things move on such paths too, so that what is fixed to the
+// camera stands still in its pictures. Lights and shadows, and things that are
 // new or change their scale, stay as at the frame's time.
 #pragma once
 

@@ -5,39 +5,62 @@
 #include <limits>
 
 #include "engine/draw/solid_cloud.h"
-#include "scenegraph/motion.h"
+#include "scenegraph/motion_path.h"
 
 namespace simvis {
 namespace {
 
 constexpr std::size_t kNotSeen = ~std::size_t{0};
 
-// Roundings of a moved ray in u = 2^-53. Of its direction: the turn (10, see scenegraph/motion.h), its matrix (8), its
-// product with the direction (4), and the product with the sensor's rotation (6). Of its origin, as a share of the way
-// from the item's point to it and of the item's own way: the same, and three sums.
-constexpr double kMovedError = 32 * 0x1p-53;
+// Roundings of a moved ray in u = 2^-53 for each displacement of a path. Of its direction: the turn (10, see
+// scenegraph/motion.h), its matrix (8), its product with the direction (4), and the products with the sensor's rotation
+// (12). Of its origin, as a share of the distances from the item's origin and of the lengths that round in the path:
+// the same, and three sums.
+constexpr double kMovedError = 38 * 0x1p-53;
 
-// The item's move with the axes of the sensor, relative to the sensor.
-ItemMove in_sensor(const ItemMove& move, const glm::dmat4& world_from_sensor) {
-  const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(world_from_sensor));
-  return {.item = move.item,
-          .point_m = sensor_from_world * (move.point_m - glm::dvec3(world_from_sensor[3])),
-          .turn_rad = sensor_from_world * move.turn_rad,
-          .way_m = sensor_from_world * move.way_m};
-}
+// The path of an item as a sensor sees it: about the item's origin, with the axes of the sensor.
+class SeenPath {
+ public:
+  SeenPath(const MotionPath& path, const glm::dmat4& world_from_mesh, const glm::dmat4& world_from_sensor)
+      : path_(path),
+        world_from_axes_(world_from_sensor),
+        axes_from_world_(glm::transpose(world_from_axes_)),
+        world_origin_m_(world_from_mesh[3]),
+        origin_m_(axes_from_world_ * (world_origin_m_ - glm::dvec3(world_from_sensor[3]))),
+        error_rad_(kMovedError * static_cast<double>(displacements(path))),
+        error_m_(kMovedError * (rounded_length_m(path, world_origin_m_) + glm::length(origin_m_))) {}
 
-MovedItems::Seen seen_by(const ItemMove& move, const BeamRay& ray) {
-  const Screw then = screw_of(move, -ray.back);
-  const glm::dmat3 back = glm::transpose(then.turn);
-  const glm::dvec3 from_point = ray.origin_m - move.point_m;
-  MovedItems::Seen seen{.ray = ray, .ray_from_seen = then.turn};
-  seen.ray.origin_m = move.point_m + back * (from_point - then.way);
-  seen.ray.direction = glm::normalize(back * ray.direction);
-  seen.ray.origin_error_m +=
-      kMovedError * (glm::length(from_point) + glm::length(move.point_m) + glm::length(move.way_m));
-  seen.ray.error_rad += kMovedError;
-  return seen;
-}
+  /// The item's origin, sensor frame.
+  const glm::dvec3& origin_m() const { return origin_m_; }
+
+  MovedItems::Seen seen_by(const BeamRay& ray) {
+    if (ray.back != back_) look_back(ray.back);
+    const glm::dmat3 back = glm::transpose(then_.turn);
+    const glm::dvec3 from_origin = ray.origin_m - origin_m_;
+    MovedItems::Seen seen{.ray = ray, .ray_from_seen = then_.turn};
+    seen.ray.origin_m = origin_m_ + back * (from_origin - then_.way_m);
+    seen.ray.direction = glm::normalize(back * ray.direction);
+    const double parts = std::max(1.0, ray.back);
+    seen.ray.origin_error_m += parts * (error_m_ + error_rad_ * glm::length(from_origin));
+    seen.ray.error_rad += parts * error_rad_;
+    return seen;
+  }
+
+ private:
+  // Rays that left together stand side by side.
+  void look_back(double back) {
+    back_ = back;
+    const Displacement world = displacement(path_, -back, world_origin_m_);
+    then_ = {axes_from_world_ * world.turn * world_from_axes_, axes_from_world_ * world.way_m};
+  }
+
+  const MotionPath& path_;
+  glm::dmat3 world_from_axes_, axes_from_world_;
+  glm::dvec3 world_origin_m_, origin_m_;
+  double error_rad_, error_m_;
+  double back_ = 0;  // of then_
+  Displacement then_{};
+};
 
 // A ball around an item, in the frame of the sensor.
 struct Ball {
@@ -142,15 +165,15 @@ void MovedItems::meet(const ScanContext& context, const DrawList& list, const It
   const glm::dmat4& world_from_mesh = list.world_from_node[item.transform];
   glm::dmat4 sensor_from_mesh =
       glm::dmat4(glm::transpose(glm::dmat3(context.world_from_sensor)) * glm::dmat3(world_from_mesh));
-  const ItemMove local = in_sensor(move, context.world_from_sensor);
-  sensor_from_mesh[3] = glm::dvec4(local.point_m, 1);  // an item's point is its origin
+  SeenPath path(*move.path, world_from_mesh, context.world_from_sensor);
+  sensor_from_mesh[3] = glm::dvec4(path.origin_m(), 1);
   const Ball ball = ball_around(*mesh, sensor_from_mesh);
   std::vector<Seen> near;
   std::vector<std::size_t> ray_of;
   std::vector<glm::dvec3> origins_m, directions;
   std::vector<double> behind_m;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    Seen seen = seen_by(local, rays[i]);
+    Seen seen = path.seen_by(rays[i]);
     if (!comes_near(seen.ray, ball)) continue;
     origins_m.push_back(seen.ray.origin_m);
     directions.push_back(seen.ray.direction);

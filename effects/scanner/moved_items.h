@@ -1,8 +1,8 @@
 // The items that have moved since a scanner's previous measurement, for beams that left before the frame's time.
 //
-// An item with the ItemMove (p, w, v) was, the share b of the time earlier, where the screw motion exp(-b (w, v)) about
-// p puts it. A ray that left then meets it where the ray moved by the inverse motion meets the item as it is now, at
-// the same range. So an item keeps its place and its tree, and the rays are moved instead.
+// An item was, the share b of the time earlier, where displacement() of its path at -b puts it. A ray that left then
+// meets it where the ray moved by the inverse displacement meets the item as it is now, at the same range. So an item
+// keeps its place and its tree, and the rays are moved instead.
 //
 // A ray's path through the things that stand is that of the caster's world without the moved items: a hit on one of
 // these is passed over by casting the ray again from behind it.

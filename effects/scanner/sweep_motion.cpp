@@ -2,17 +2,18 @@
 
 #include <algorithm>
 
-#include "scenegraph/motion.h"
+#include "scenegraph/motion_path.h"
 
 namespace simvis {
 namespace {
 
-// Errors in u = 2^-53. Of a direction: product of two rotations (6), its quaternion (6), axis times angle (6 of an
-// angle of at most pi: 19), the matrix of the turn (12), the rotated direction (8). Of an origin, as a share of the way
-// along the screw: the difference of two positions (1), rotated (6), the logarithm (12), the error of its turn (31),
-// the sum of three terms (12). The way and the turn of an extrapolated motion have their errors as often. A beam's own
-// origin is rotated as a direction is, and added (1).
-constexpr double kDirectionError = 51 * 0x1p-53, kOriginError = 62 * 0x1p-53, kSumError = 0x1p-53;
+// Errors in u = 2^-53 for each displacement of a path. Of a direction: product of two rotations (6), its quaternion
+// (6), axis times angle (6 of an angle of at most pi: 19), the matrix of the turn (12), its products with the sensor's
+// rotation (12), the rotated direction (8). Of an origin, as a share of the lengths that round: the difference of two
+// positions (1), rotated (6), the logarithm (12), the error of its turn (31), the sum of three terms (12), the sensor's
+// axes (6). The way and the turn of an extrapolated motion have their errors as often. A beam's own origin is rotated
+// as a direction is, and added (1).
+constexpr double kDirectionError = 63 * 0x1p-53, kOriginError = 68 * 0x1p-53, kSumError = 0x1p-53;
 
 constexpr AttributeSpec kSweepMotionAttributes[] = {
     {.name = "sweep",
@@ -43,8 +44,8 @@ std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context
 const ScanEffectRegistration kSweepMotionRegistration(
     {.type = {.name = "sweep_motion",
               .summary = "Each beam leaves at its own time, from where the sensor was then.",
-              .notes = "The last beam leaves at the time of the frame. The sensor and all things move on screws "
-                       "since its previous measurement; at its first measurement they stand still. Ranges and "
+              .notes = "The last beam leaves at the time of the frame. The sensor and all things move along their "
+                       "joints since its previous measurement; at its first measurement they stand still. Ranges and "
                        "x, y, z are in the frame at the time of emission; the column time_s has the time of each beam.",
               .source = "attribute sweep above 0, or firing=\"pattern\"",
               .outputs = kShownInRanges,
@@ -69,19 +70,22 @@ void SweepMotion::sort_by_age(const ScanContext& context, std::vector<BeamRay>& 
 void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) const {
   if (!context.before || context.before->time_ns >= context.time.time_ns) return;
   const double interval_s = static_cast<double>(context.time.time_ns - context.before->time_ns) / 1e9;
-  const glm::dmat4 &now = context.world_from_sensor, &before = context.before->world_from_sensor;
-  const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(now));
-  glm::dmat4 now_from_before(sensor_from_world * glm::dmat3(before));
-  now_from_before[3] = glm::dvec4(sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3])), 1);
-  const ItemMove move = move_between(now_from_before, glm::dmat4(1.0));
+  const glm::dmat4& now = context.world_from_sensor;
+  const glm::dmat3 world_from_axes(now), axes_from_world = glm::transpose(world_from_axes);
+  const MotionPath screw =
+      context.path != nullptr ? MotionPath{} : path_between(context.before->world_from_sensor, now);
+  const MotionPath& path = context.path != nullptr ? *context.path : screw;
+  const double error_rad = kDirectionError * static_cast<double>(displacements(path));
+  const double error_m = kOriginError * rounded_length_m(path, glm::dvec3(now[3]));
   for (BeamRay& ray : rays) {
     ray.back = times_.age_s(context, ray.beam) / interval_s;
-    const Screw then = screw_of(move, -ray.back);
+    Displacement then = displacement(path, -ray.back, glm::dvec3(now[3]));
+    then = {axes_from_world * then.turn * world_from_axes, axes_from_world * then.way_m};
     const double parts = std::max(1.0, ray.back);
     const glm::dvec3 start_m = ray.origin_m;
-    ray.error_rad = kDirectionError * parts;
-    ray.origin_m = then.way;
-    ray.origin_error_m = kOriginError * parts * glm::length(move.way_m);
+    ray.error_rad = error_rad * parts;
+    ray.origin_m = then.way_m;
+    ray.origin_error_m = error_m * parts;
     if (start_m != glm::dvec3(0)) {
       ray.origin_m += then.turn * start_m;
       ray.origin_error_m += ray.error_rad * glm::length(start_m) + kSumError * glm::length(ray.origin_m);

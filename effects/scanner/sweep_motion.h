@@ -5,16 +5,14 @@
 // The last beam of a sweep leaves at the frame's time, the first one `sweep` seconds earlier, and the others at even
 // intervals between them; all rings of one azimuth leave together. With firing="pattern" the beams leave at the times
 // that the scanner's beam table says. Each beam leaves from the sensor's pose at its own
-// time. Since its last measurement the sensor moves on the screw that leads from its pose then to that now, by the
-// shortest turn. If the sweep is longer than the time since the last measurement, the same motion is extrapolated
-// backwards. At its first measurement the sensor stands still.
+// time, on its path since its last measurement: see <simvis/motion_path.h>. If the sweep is longer than the time since
+// the last measurement, the same motion is extrapolated backwards. At its first measurement the sensor stands still.
 //
 // Ranges, angles and x, y, z refer to the sensor frame at the time when the beam left, as in a device without motion
 // compensation. The channel "time_s" is the time of each beam. In a CSV file it replaces the frame's time.
 //
-// Other things move too: each beam meets them where they were when it left. Each item of the draw list moves by the
-// screw motion that leads from its pose at the sensor's last measurement to that at the frame's time: see MovedItems.
-// So what is fixed to the sensor stands still for all its beams.
+// Other things move too, on such paths: each beam meets them where they were when it left, see MovedItems. So what is
+// fixed to the sensor stands still for all its beams.
 //
 // Limit: a thing that was not there at the last measurement, or that changes its scale, stands as at the frame's time.
 #pragma once

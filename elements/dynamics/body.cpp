@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "elements/dynamics/body_rows.h"
-#include "scenegraph/motion.h"
+#include "scenegraph/motion_path.h"
 
 namespace simvis {
 namespace {

@@ -32,15 +32,6 @@ struct Motion {
       angular_acceleration_radps2{0};  ///< about the axes of the world
 };
 
-/// The way of an item of a draw list over some time, as a screw motion that leads from its pose then to its pose now.
-/// The vectors have the axes of the world.
-struct ItemMove {
-  std::uint32_t item = 0;  ///< in DrawList::items
-  glm::dvec3 point_m{0},   ///< the origin of the item's mesh, where it is now
-      turn_rad{0},         ///< axis times angle, at most pi
-      way_m{0};            ///< of the point: its velocity now times the time
-};
-
 /// A place where two bodies of physics touch. World frame.
 struct Contact {
   glm::dvec3 point_m{0},           ///< midway between both surfaces

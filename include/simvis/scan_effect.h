@@ -28,6 +28,7 @@
 #include <simvis/effect.h>
 #include <simvis/export.h>
 #include <simvis/frame_time.h>
+#include <simvis/motion_path.h>
 #include <simvis/output_spec.h>
 #include <simvis/philox.h>
 #include <simvis/pose.h>
@@ -54,6 +55,9 @@ struct ScanContext {
   FrameTime time;                     ///< of the frame
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at time.time_ns, the end of the sweep
   std::optional<PastPose> before{};   ///< empty at the sensor's first measurement
+  /// The path of the sensor since then. Null: it moves on the screw from that pose to `world_from_sensor`. Valid as
+  /// long as the draw list.
+  const MotionPath* path = nullptr;
   /// What has moved since then. Empty unless an effect uses previous poses. Valid as long as the draw list.
   std::span<const ItemMove> moves{};
   std::uint32_t rings = 0,  ///< of the scan

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/export.h>
+#include <simvis/motion_path.h>
 #include <simvis/object_tree.h>
 #include <simvis/pose.h>
 #include <simvis/scan.h>
@@ -23,6 +25,8 @@ struct SensedPoint {
   std::string name;                  ///< of the insertion point
   std::uint32_t number = 0;          ///< by name, among all that match, those that are off included
   glm::dmat4 world_from_point{1.0};  ///< rigid
+  /// Since the sensor was last due, with SensorNeeds::item_moves. Null: it stands still.
+  std::shared_ptr<const MotionPath> path{};
 };
 
 /// A joint of the scene: an element of type `joint` or `mimic_joint`.
@@ -71,7 +75,8 @@ struct SensorNeeds {
   std::vector<std::string> parts{};  ///< names of objects for SensedWorld::items_of()
   std::string points{};              ///< names and patterns of objects for SensedWorld::points()
   std::string joints_of{};           ///< insertion point for SensedWorld::joints()
-  bool item_moves = false;           ///< SensedWorld::item_moves()
+  bool item_moves = false;           ///< SensedWorld::item_moves(), sensor_path(), SensedPoint::path
+  bool moves_in_one_piece = false;   ///< the same without the frames since the sensor was last due
   bool item_ids = false;             ///< SensedWorld::item_ids()
   bool objects = false;              ///< SensedWorld::objects()
   bool heat = false;                 ///< SensedWorld::heat()
@@ -108,6 +113,8 @@ class SIMVIS_API SensedWorld {
   /// The items that have moved since the sensor was last due, in the order of the list. An item that is new since then,
   /// or that has changed its shape or scale, is not among them.
   virtual std::span<const ItemMove> item_moves() const = 0;
+  /// The path of the sensor since it was last due. It stands still where the path of an item would be missing.
+  virtual const MotionPath& sensor_path() const = 0;
   /// The ids of the items of this frame's draw list.
   virtual ItemIds item_ids() const = 0;
   /// The objects of this frame's scene, as Simulation::objects() has them.

@@ -9,7 +9,7 @@
 #include <simvis/pose.h>
 #include "effects/camera/rolling_shutter.h"
 #include "engine/base/assert.h"
-#include "scenegraph/motion.h"
+#include "scenegraph/motion_path.h"
 #include "sensors/camera/resampled_image.h"
 
 namespace simvis {
@@ -51,7 +51,10 @@ std::vector<float>& start_image(Image& image, const CameraLayout& layout) {
 }  // namespace
 
 void EyeWorld::sense(const SensedWorld& world, const SensorNeeds& needs) {
-  if (needs.item_moves) moves = world.item_moves();
+  if (needs.item_moves) {
+    moves = world.item_moves();
+    path = &world.sensor_path();
+  }
   if (needs.item_ids) ids = world.item_ids();
   if (needs.objects) objects = world.objects();
   if (needs.scene) kept_scene = scenes.keep(world.scene(), moves);
@@ -115,6 +118,7 @@ double CameraEye::share_before(double time_s) const {
 
 glm::dmat4 CameraEye::world_from_camera(double time_s) const {
   if (!before_ || time_s == 0) return world_from_camera_;
+  if (world_.path != nullptr) return place_at(*world_.path, share_before(time_s), world_from_camera_);
   return pose_between(before_->world_from_camera, world_from_camera_, 1 + share_before(time_s));
 }
 
@@ -125,7 +129,7 @@ std::vector<ItemPlace> CameraEye::places(double time_s) const {
   const double share = share_before(time_s);
   const DrawList& list = *world_.drawn;
   for (const ItemMove& move : world_.moves) {
-    places.push_back({move.item, place_at(move, share, list.world_from_node[list.items[move.item].transform])});
+    places.push_back({move.item, place_at(*move.path, share, list.world_from_node[list.items[move.item].transform])});
   }
   return places;
 }
@@ -162,7 +166,10 @@ std::vector<PixelRows> CameraEye::all_rows(std::vector<std::vector<ItemPlace>>& 
 
 // Whether the eye or anything else has moved since the last measurement.
 bool CameraEye::moves() const {
-  return before_ && (before_->world_from_camera != world_from_camera_ || !world_.moves.empty());
+  if (!before_) return false;
+  const bool eye_moves =
+      world_.path != nullptr ? !world_.path->pieces.empty() : before_->world_from_camera != world_from_camera_;
+  return eye_moves || !world_.moves.empty();
 }
 
 // One time shows an image through a pinhole in which nothing moves.

@@ -38,6 +38,7 @@ struct EyeWorld {
   LayerWorld layers;
   SceneKeeper scenes;
   std::span<const ItemMove> moves{};              ///< if rows or samples are taken before the frame's time
+  const MotionPath* path = nullptr;               ///< of the camera, the same; null: it moves on one screw
   ItemIds ids{};                                  ///< if any are needed
   std::span<const SceneObject> objects{};         ///< if they are needed
   std::shared_ptr<const KeptScene> kept_scene{};  ///< for flow

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/base/assert.h"
-#include "scenegraph/motion.h"
+#include "scenegraph/motion_path.h"
 
 namespace simvis {
 
@@ -29,7 +29,7 @@ glm::dmat4 CameraMoment::world_from_mesh(std::size_t of_rows, std::uint32_t item
   const glm::dmat4& world_from_mesh = list.world_from_node[list.items[item].transform];
   const auto move = std::ranges::lower_bound(scene->moves, item, {}, &ItemMove::item);
   if (rows[of_rows].share == 0 || move == scene->moves.end() || move->item != item) return world_from_mesh;
-  return place_at(*move, rows[of_rows].share, world_from_mesh);
+  return place_at(*move->path, rows[of_rows].share, world_from_mesh);
 }
 
 std::vector<ItemPlace> CameraMoment::places(std::size_t of_rows) const {

@@ -7,7 +7,6 @@
 
 #include <simvis/pose.h>
 #include "effects/camera/rolling_shutter.h"
-#include "scenegraph/motion.h"
 #include "sensors/camera/pinhole_view.h"
 
 namespace simvis {
@@ -94,22 +93,20 @@ Keypoints::Keypoints(std::string name, const KeypointsDesc& desc)
 
 void Keypoints::begin(const FrameTime& time) {
   time_ = time;
-  if (last_ && last_->time_ns < time.time_ns) before_ = std::exchange(last_, std::nullopt);
+  if (last_ns_ && *last_ns_ < time.time_ns) before_ns_ = last_ns_;
 }
 
 void Keypoints::sense(const SensedWorld& world) {
   points_ = world.points();
-  if (is_late()) moves_ = world.item_moves();
+  if (is_late()) {
+    moves_ = world.item_moves();
+    path_ = &world.sensor_path();
+  }
 }
 
-void Keypoints::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+void Keypoints::skip_frame(const FrameTime& time, const glm::dmat4&) {
   begin(time);
-  if (is_late()) remember(world_from_sensor);
-}
-
-void Keypoints::remember(const glm::dmat4& world_from_sensor) {
-  last_ = Past{.time_ns = time_.time_ns, .world_from_sensor = world_from_sensor, .world_from_point = {}};
-  for (const SensedPoint& point : points_) last_->world_from_point[point.number] = point.world_from_point;
+  last_ns_ = time.time_ns;
 }
 
 void Keypoints::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
@@ -124,14 +121,14 @@ void Keypoints::plan(const glm::dmat4& world_from_sensor, const DrawList& list, 
 // Views of the same rows share their pose.
 CameraMoment Keypoints::moment() const {
   CameraMoment moment{.time_ns = time_.time_ns, .scene = nullptr, .rows = {}};
-  const double between_s = before_ ? static_cast<double>(time_.time_ns - before_->time_ns) / 1e9 : 0;
+  const double between_s = before_ns_ ? static_cast<double>(time_.time_ns - *before_ns_) / 1e9 : 0;
   std::uint32_t next_row = 0;
   for (const CameraView& view : views_.views) {
     if (view.first_row < next_row) continue;
     next_row = view.first_row + view.rows;
-    const double share = before_ ? view.time_s / between_s : 0;
+    const double share = before_ns_ ? view.time_s / between_s : 0;
     const glm::dmat4 world_from_camera =
-        share == 0 ? world_from_sensor() : pose_between(before_->world_from_sensor, world_from_sensor(), 1 + share);
+        share == 0 ? world_from_sensor() : place_at(*path_, share, world_from_sensor());
     moment.rows.push_back({.first = view.first_row,
                            .count = view.rows,
                            .world_from_view = world_from_camera * sensor_from_view(),
@@ -142,18 +139,14 @@ CameraMoment Keypoints::moment() const {
 
 // From the last rows to those at whose height the point is when they are exposed, as PointFlow::follow().
 Keypoints::Row Keypoints::find(const SensedPoint& point, const CameraMoment& moment, std::size_t& rows) const {
-  std::optional<ItemMove> move;
-  if (before_) {
-    const auto then = before_->world_from_point.find(point.number);
-    if (then != before_->world_from_point.end()) move = move_between(then->second, point.world_from_point);
-  }
   Row row;
   rows = moment.rows.size() - 1;
   std::size_t left = ~std::size_t{0};
   for (std::size_t step = 0; step <= moment.rows.size(); ++step) {
     const PosedRows& posed = moment.rows[rows];
-    const glm::dmat4 place =
-        move && posed.share != 0 ? place_at(*move, posed.share, point.world_from_point) : point.world_from_point;
+    const glm::dmat4 place = point.path != nullptr && posed.share != 0
+                                 ? place_at(*point.path, posed.share, point.world_from_point)
+                                 : point.world_from_point;
     row.place_m = glm::dvec3(rigid_inverse(posed.world_from_view) * place[3]);
     row.pixel = row.place_m == glm::dvec3(0) ? std::nullopt : layout_.pixel(row.place_m);
     if (!row.pixel) return row;
@@ -203,7 +196,7 @@ void Keypoints::look(RayCaster& caster, const CameraMoment& moment, std::vector<
     std::vector<ItemPlace> places;
     for (const ItemMove& move : posed.share == 0 ? std::span<const ItemMove>() : moves_) {
       const glm::dmat4& now = list_->world_from_node[list_->items[move.item].transform];
-      places.push_back({move.item, place_at(move, posed.share, now)});
+      places.push_back({move.item, place_at(*move.path, posed.share, now)});
     }
     const DrawList& world = places.empty() ? *list_ : moved_.place(places);
     std::vector<SeenSurface> seen(directions.size());
@@ -240,7 +233,7 @@ void Keypoints::cast(RayCaster& caster) {
                                  row.visible ? 1.0 : 0.0, glm::length(row.place_m), place_m.x, place_m.y, place_m.z});
   }
   set_reading(time_, std::move(values));
-  if (is_late()) remember(world_from_sensor());
+  last_ns_ = time_.time_ns;
 }
 
 Measurement Keypoints::measurement() const {

@@ -58,9 +58,9 @@ class Keypoints : public ReadingSensor, public Stateful {
   /// Throws InputError if the lens does not say where it shows a direction.
   Keypoints(std::string name, const KeypointsDesc& desc);
 
-  SensorNeeds needs() const override { return {.points = desc_.points, .item_moves = is_late(), .scene = is_late()}; }
+  SensorNeeds needs() const override { return {.points = desc_.points, .item_moves = is_late()}; }
   void begin(const FrameTime& time) override;
-  void archive(StateArchive& state) override { state(before_, last_); }
+  void archive(StateArchive& state) override { state(before_ns_, last_ns_); }
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
@@ -71,12 +71,6 @@ class Keypoints : public ReadingSensor, public Stateful {
   SensorReport report() const override;
 
  private:
-  struct Past {
-    std::int64_t time_ns = 0;
-    glm::dmat4 world_from_sensor{1.0};
-    std::map<std::uint32_t, glm::dmat4> world_from_point;  // by number
-    void archive(StateArchive& state) { state(time_ns, world_from_sensor, world_from_point); }
-  };
   struct Row {
     std::optional<glm::dvec2> pixel;
     bool in_picture = false, visible = false;
@@ -89,7 +83,6 @@ class Keypoints : public ReadingSensor, public Stateful {
     double near_range_m = 0, range_m = 0;
   };
   bool is_late() const { return layout_.row_time_s > 0; }
-  void remember(const glm::dmat4& world_from_sensor);
   CameraMoment moment() const;
   Row find(const SensedPoint& point, const CameraMoment& moment, std::size_t& rows) const;
   std::optional<Sight> sight_of(const Row& row) const;
@@ -101,10 +94,11 @@ class Keypoints : public ReadingSensor, public Stateful {
   CameraViews views_;
   std::shared_ptr<const std::vector<Calibration>> calibrations_;
   FrameTime time_;
-  std::vector<SensedPoint> points_;    // of this frame
-  std::span<const ItemMove> moves_;    // of this frame, with a rolling shutter
-  const DrawList* list_ = nullptr;     // of this frame
-  std::optional<Past> before_, last_;  // with a rolling shutter: the measurement before time_, and the last one
+  std::vector<SensedPoint> points_;                  // of this frame
+  std::span<const ItemMove> moves_;                  // of this frame, with a rolling shutter
+  const MotionPath* path_ = nullptr;                 // of the camera in this frame, the same
+  const DrawList* list_ = nullptr;                   // of this frame
+  std::optional<std::int64_t> before_ns_, last_ns_;  // the measurement before time_, and the last one
   MovedWorld moved_;
   SurfaceRays rays_;
 };

@@ -7,6 +7,8 @@
 #include <optional>
 #include <unordered_set>
 
+#include "engine/draw/solid_cloud.h"
+
 namespace simvis {
 namespace {
 
@@ -131,7 +133,7 @@ Silhouette ObjectSilhouettes::find(const DrawList& list, std::uint32_t object, s
 void ObjectSilhouettes::find_item(const DrawList& list, std::uint32_t item, std::uint32_t object, const Shown& shown,
                                   Silhouette& silhouette, std::span<std::uint8_t> mask) {
   const Mesh& mesh = *list.meshes[list.items[item].mesh];
-  if (mesh.topology != Topology::triangles || mesh.indices.empty()) return;
+  if (!(mesh.topology == Topology::triangles || is_solid_cloud(mesh)) || mesh.indices.empty()) return;
   for (const PixelRows& each : shown.rows) {
     const auto place = std::ranges::find(each.places, item, &ItemPlace::item);
     const glm::dmat4& world_from_mesh =

@@ -58,8 +58,8 @@ class ObjectSilhouettes {
     std::span<const PixelRows> rows;         ///< from the top
   };
   /// Of the object that has these items and the number `object` in `shown`. `visible` are the pixels that show it. If
-  /// `mask` is not empty, mask[y * width + x] of the other pixels of Silhouette::picture is set to 1. An item without
-  /// triangles has only the pixels that show it.
+  /// `mask` is not empty, mask[y * width + x] of the other pixels of Silhouette::picture is set to 1. An item that no
+  /// ray hits, of lines, of points without a shape or of Gaussian splats, has only the pixels that show it.
   Silhouette find(const DrawList& list, std::uint32_t object, std::span<const std::uint32_t> items, const Shown& shown,
                   const PixelSet& visible, std::span<std::uint8_t> mask);
 

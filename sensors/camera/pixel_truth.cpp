@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <numeric>
 
@@ -43,7 +44,7 @@ void put(MeasuredNumbers& numbers, std::size_t first, std::span<const double> va
       numbers);
 }
 
-// From the frame of a view to that of the item's mesh, for pixel after pixel.
+// From the frame of a view to that of the item's mesh in metres, for pixel after pixel.
 class MeshFrames {
  public:
   MeshFrames(const DrawList& list, const glm::dmat4& world_from_view, std::span<const ItemPlace> places)
@@ -56,7 +57,9 @@ class MeshFrames {
     const bool moved = place != places_.end() && place->item == item;
     const glm::dmat4& world_from_mesh =
         moved ? place->world_from_mesh : list_.world_from_node[list_.items[item].transform];
-    mesh_from_view_ = glm::inverse(world_from_mesh) * world_from_view_;
+    const glm::dmat3 axes(world_from_mesh);
+    const glm::dvec3 unit_m(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
+    mesh_from_view_ = glm::scale(glm::dmat4(1), unit_m) * glm::inverse(world_from_mesh) * world_from_view_;
     return mesh_from_view_;
   }
 

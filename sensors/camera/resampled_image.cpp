@@ -78,7 +78,7 @@ double resample_depth(const CameraLayout& layout, const CameraViews& views, std:
         // The stored depth is rounded to float32.
         const double shape_m = nearer_by(pixels[v], tap, range.range_m, depth_views[v].deviation);
         const double own_m = (range.error_bound_m + shape_m) * std::abs(depth_per_range) + 0x1p-24 * std::abs(depth_m);
-        if (own_m < kInfinity) bound_m = std::max(bound_m, own_m);
+        bound_m = std::max(bound_m, own_m);
       }
     }
     depths_m[i] = static_cast<float>(depth_m);

@@ -23,9 +23,9 @@ namespace simvis {
 void resample_color(const CameraLayout& layout, const CameraViews& views, std::span<const Pass> passes,
                     std::span<const PassResult> results, Image& image);
 
-/// The same for depth; `depth_views` has one entry for each view. Returns a bound in metres on the error of every depth
-/// that is taken from one surface, flat or bent at a crease. Depths next to a step are not covered. 0 if there is no
-/// such depth.
+/// The same for depth; `depth_views` has one entry for each view. Returns a bound in metres on the error of every
+/// finite depth: +infinity if one is next to a step, where the pixels do not say which surface its ray hits. 0 if there
+/// is no such depth.
 double resample_depth(const CameraLayout& layout, const CameraViews& views, std::span<const Pass> passes,
                       std::span<const PassResult> results, std::span<const DepthView> depth_views, Image& image);
 

@@ -75,7 +75,7 @@ const SurfaceOutputRegistration kObjectCoordinatesOutput(
      .channels = 3,
      .unit = "m",
      .frame = "mesh",
-     .meaning = "the point in the frame of the item's mesh",
+     .meaning = "the point along the axes of the item's mesh, from its origin",
      .nothing = kNoSurfaceNumber,
      .needs = kSurfaceItems | kSurfaceMesh,
      .fill = [](const PixelSurface& surface, std::span<double> numbers) {

@@ -133,8 +133,8 @@ void EventCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list
   list_ = &list;
   plan_effects(name_, desc_.effects, plan);
   const glm::dmat4 now = world_from_sensor * sensor_from_view();
-  const glm::dmat4 before = is_first() ? now : memory_.world_from_sensor * sensor_from_view();
-  scene_.set(list, is_first() ? std::span<const ItemMove>() : moves_, before, now);
+  static const MotionPath kStill;
+  scene_.set(list, is_first() ? std::span<const ItemMove>() : moves_, is_first() ? kStill : *path_, now);
   all_pixels_ = is_first() || has_changed_otherwise(list);
   light_.set(scene_, all_pixels_);
   const std::uint64_t pixels = std::uint64_t{desc_.pinhole.width_px} * desc_.pinhole.height_px;
@@ -230,7 +230,6 @@ void EventCamera::publish(std::vector<PixelEvent> events) {
   std::ranges::sort(events, {},
                     [](const PixelEvent& event) { return std::tuple(event.time_ns, event.pixel, event.on); });
   memory_.time_ns = time_.time_ns;
-  memory_.world_from_sensor = world_from_sensor();
   memory_.revisions = list_->revisions;
   memory_.environment = list_->environment;
   memory_.sky = list_->sky;

@@ -52,8 +52,11 @@ class EventCamera : public ReadingSensor {
   EventCamera(std::string name, const EventCameraDesc& desc);
 
   HistoryDependence history_dependence() const override { return HistoryDependence::measurements; }
-  SensorNeeds needs() const override { return {.item_moves = true}; }
-  void sense(const SensedWorld& world) override { moves_ = world.item_moves(); }
+  SensorNeeds needs() const override { return {.item_moves = true, .moves_in_one_piece = true}; }
+  void sense(const SensedWorld& world) override {
+    moves_ = world.item_moves();
+    path_ = &world.sensor_path();
+  }
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
@@ -66,7 +69,6 @@ class EventCamera : public ReadingSensor {
   /// What a measurement leaves for the next one.
   struct Memory {
     std::int64_t time_ns = 0;
-    glm::dmat4 world_from_sensor{1.0};
     DrawList::Revisions revisions{};
     Environment environment{};
     SkyView sky{};
@@ -96,8 +98,9 @@ class EventCamera : public ReadingSensor {
   Memory memory_, before_;
   FrameTime time_;
   std::span<const ItemMove> moves_;
-  const DrawList* list_ = nullptr;  // of this frame
-  bool all_pixels_ = false;         // of this frame
+  const MotionPath* path_ = nullptr;  // of the camera
+  const DrawList* list_ = nullptr;    // of this frame
+  bool all_pixels_ = false;           // of this frame
   std::uint64_t pixels_sampled_ = 0, samples_ = 0;
   std::vector<Worker> workers_;
   Image picture_;

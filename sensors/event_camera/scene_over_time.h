@@ -2,7 +2,7 @@
 //
 // Frames   V = view frame of the camera: x right, y down, z forward.
 // Time     a share of the time between the measurements: 0 at the earlier one, 1 at the later one. Items and the camera
-//          move as screws with constant speed, see <simvis/pose.h>. Lights stand still.
+//          move on paths in one piece, see <simvis/motion_path.h>. Lights stand still.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,22 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
-#include <simvis/pose.h>
+#include <simvis/motion_path.h>
 
 namespace simvis {
 
 class SceneOverTime {
  public:
-  /// `list` and `moves` are those of the later measurement and must live as long as the object is used. The poses are
-  /// those of the view.
-  void set(const DrawList& list, std::span<const ItemMove> moves, const glm::dmat4& world_from_view_before,
+  /// `list`, `moves` and the view's `path` are those of the later measurement and must live as long as the object is
+  /// used.
+  void set(const DrawList& list, std::span<const ItemMove> moves, const MotionPath& path,
            const glm::dmat4& world_from_view_now);
 
   const DrawList& list() const { return *list_; }
   /// Whether the item moves in the view.
-  bool moves(std::uint32_t item) const { return camera_moves_ || move_of_[item] != nullptr; }
+  bool moves(std::uint32_t item) const { return camera_moves() || path_of_[item] != nullptr; }
   /// Whether anything moves in the view.
-  bool any_moves() const { return camera_moves_ || any_move_; }
+  bool any_moves() const { return camera_moves() || any_move_; }
 
   glm::dmat4 world_from_view(double share) const;
   glm::dmat4 world_from_mesh(std::uint32_t item, double share) const;
@@ -36,11 +36,13 @@ class SceneOverTime {
   double acceleration_m(std::uint32_t item, const glm::dvec3& place) const;
 
  private:
+  bool camera_moves() const { return !path_->pieces.empty(); }
+
   const DrawList* list_ = nullptr;
-  std::vector<const ItemMove*> move_of_;  // by item; null: it stands still
-  bool any_move_ = false, camera_moves_ = false;
-  glm::dmat4 before_{1.0}, now_{1.0}, view_from_world_now_{1.0};
-  double camera_way_m_ = 0, camera_turn_rad_ = 0;
+  const MotionPath* path_ = nullptr;        // of the view
+  std::vector<const MotionPath*> path_of_;  // by item; null: it stands still
+  bool any_move_ = false;
+  glm::dmat4 now_{1.0}, view_from_world_now_{1.0};
 };
 
 }  // namespace simvis

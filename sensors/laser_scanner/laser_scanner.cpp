@@ -141,7 +141,10 @@ std::string LaserScanner::others() const {
 }
 
 void LaserScanner::sense(const SensedWorld& world) {
-  if (looks_back()) context_.moves = world.item_moves();
+  if (looks_back()) {
+    context_.moves = world.item_moves();
+    context_.path = &world.sensor_path();
+  }
   others_.clear();
   if (!others().empty()) {
     for (const SensedPoint& point : world.points()) others_.push_back({point.number, point.world_from_point});

@@ -254,6 +254,15 @@ Frame frame_of(const Place& place) {
           {place.number[0], place.number[1], place.number[2]}};
 }
 
+namespace {
+
+Frame frame_of_joint(const Body& body, Real value) {
+  const Vector axis = glm::normalize(Vector(body.axis));
+  return body.slides ? Frame{Matrix(1), value * axis} : Frame{turn_about(axis, value * kPi / 180), Vector(0)};
+}
+
+}  // namespace
+
 Frame operator*(const Frame& parent, const Frame& child) {
   return {parent.turn * child.turn, parent.turn * child.at + parent.at};
 }
@@ -268,40 +277,47 @@ Frame world_from_body(const CombinedScene& scene, int body, std::size_t frame) {
   const Body& each = scene.bodies[static_cast<std::size_t>(body)];
   Frame result = world_from_body(scene, each.parent, frame) * frame_of(each.offset);
   if (each.moves) result = result * frame_of(each.move[frame]);
-  if (!each.has_joint) return result;
-  const Vector axis = glm::normalize(Vector(each.axis));
-  const Real value = each.joint[frame];
-  return result *
-         (each.slides ? Frame{Matrix(1), value * axis} : Frame{turn_about(axis, value * kPi / 180), Vector(0)});
+  return each.has_joint ? result * frame_of_joint(each, each.joint[frame]) : result;
 }
 
-ExactWorld::ExactWorld(const CombinedScene& scene, std::size_t frame) : scene_(scene) {
-  const std::size_t before = frame == 0 ? 0 : frame - 1;
-  for (int i = 0; i < static_cast<int>(scene.bodies.size()); ++i) {
-    bodies_.push_back(moving(world_from_body(scene, i, before), world_from_body(scene, i, frame)));
+ExactWorld::ExactWorld(const CombinedScene& scene, std::size_t frame)
+    : scene_(scene), before_(frame == 0 ? 0 : frame - 1), now_(frame) {}
+
+const std::vector<Frame>& ExactWorld::places(Real share) const {
+  const auto [found, is_new] = places_.try_emplace(share);
+  std::vector<Frame>& places = found->second;
+  if (!is_new) return places;
+  const Frame frame = frame_of(scene_.frame);
+  for (const Body& each : scene_.bodies) {  // parents come first
+    places.push_back(
+        place(each, each.parent == kNoParent ? frame : places[static_cast<std::size_t>(each.parent)], share));
   }
-  for (const SensorDesc& sensor : scene.sensors) {
-    const Frame offset = frame_of(sensor.offset);
-    sensors_.push_back(moving(world_from_body(scene, sensor.parent, before) * offset,
-                              world_from_body(scene, sensor.parent, frame) * offset));
+  return places;
+}
+
+Frame ExactWorld::place(const Body& body, const Frame& parent, Real share) const {
+  Frame result = parent * frame_of(body.offset);
+  if (body.moves) {
+    const Frame before = frame_of(body.move[before_]), now = frame_of(body.move[now_]);
+    result = result * (share == 1 ? now : before * along(screw_of(inverse(before) * now), share));
   }
+  if (!body.has_joint) return result;
+  return result * frame_of_joint(body, body.joint[before_] + share * (Real(body.joint[now_]) - body.joint[before_]));
 }
 
-ExactWorld::Moving ExactWorld::moving(const Frame& before, const Frame& now) {
-  return {before, now, screw_of(inverse(before) * now)};
+Frame ExactWorld::sensor(std::size_t index, Real share) const {
+  const SensorDesc& sensor = scene_.sensors[index];
+  const Frame parent =
+      sensor.parent == kNoParent ? frame_of(scene_.frame) : body(static_cast<std::size_t>(sensor.parent), share);
+  return parent * frame_of(sensor.offset);
 }
 
-Frame ExactWorld::at_share(const Moving& moving, Real share) {
-  return share == 1 ? moving.now : moving.before * along(moving.screw, share);
-}
-
-Frame ExactWorld::sensor(std::size_t index, Real share) const { return at_share(sensors_[index], share); }
-Frame ExactWorld::body(std::size_t index, Real share) const { return at_share(bodies_[index], share); }
+Frame ExactWorld::body(std::size_t index, Real share) const { return places(share)[index]; }
 
 std::vector<ExactHit> ExactWorld::hits(const Vector& origin, const Vector& direction, Real share) const {
   std::vector<ExactHit> all;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const Frame place = at_share(bodies_[i], share);
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    const Frame place = body(i, share);
     const Matrix body_from_world = glm::transpose(place.turn);
     const Vector scale(scene_.bodies[i].scale);
     const Vector from = body_from_world * (origin - place.at) / scale, way = body_from_world * direction / scale;
@@ -341,10 +357,10 @@ Matrix turn_of(const glm::dvec4& quaternion) {
 
 std::vector<SplatHit> ExactWorld::splats(const Vector& origin, const Vector& direction, Real share) const {
   std::vector<SplatHit> all;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     const Body& body = scene_.bodies[i];
     if (body.splats.empty()) continue;
-    const Frame place = at_share(bodies_[i], share);
+    const Frame place = places(share)[i];
     const Matrix body_from_world = glm::transpose(place.turn);
     const Vector scale(body.scale);
     const Vector from = body_from_world * (origin - place.at) / scale, way = body_from_world * direction / scale;
@@ -374,17 +390,18 @@ std::vector<SplatHit> ExactWorld::splats(const Vector& origin, const Vector& dir
 }
 
 Vector ExactWorld::way_per_frame(std::size_t body, const Vector& point) const {
-  const Moving& moving = bodies_[body];
-  const Twisting& screw = moving.screw;
-  const Matrix& turn = moving.before.turn;
+  // The mean by one screw from its pose in the world to the next.
+  const Frame before = this->body(body, 0), now = this->body(body, 1);
+  const Twisting screw = screw_of(inverse(before) * now);
+  const Matrix& turn = before.turn;
   if (screw.angle == 0) return turn * screw.shift;
-  const Vector from_axis = point - (turn * screw.point + moving.before.at), axis = turn * screw.axis;
+  const Vector from_axis = point - (turn * screw.point + before.at), axis = turn * screw.axis;
   return screw.angle * glm::cross(axis, from_axis) + screw.way * axis;
 }
 
 Real ExactWorld::pose_rounding_m(std::size_t sensor) const {
-  Real largest = glm::length(sensors_[sensor].now.at);
-  for (const Moving& each : bodies_) largest = std::max(largest, glm::length(each.now.at));
+  Real largest = glm::length(this->sensor(sensor, 1).at);
+  for (const Frame& each : places(1)) largest = std::max(largest, glm::length(each.at));
   // Products of up to sixteen rigid frames, four roundings each, of positions
   // and of turns over ten metres.
   return 64 * 0x1p-53L * (largest + 10);

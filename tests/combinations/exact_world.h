@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -50,8 +51,8 @@ struct SplatHit {
   Real alpha = 0;
 };
 
-/// A scene at one frame. `share` is the share of the way from the frame before:
-/// 1 is now.
+/// A scene at one frame. `share` is the share of the time from the frame before: 1 is now. Each joint turns or slides
+/// evenly in that time, and each element `pose` goes on a screw of its own.
 class ExactWorld {
  public:
   ExactWorld(const CombinedScene& scene, std::size_t frame);
@@ -70,15 +71,13 @@ class ExactWorld {
   Real pose_rounding_m(std::size_t sensor) const;
 
  private:
-  struct Moving {
-    Frame before, now;
-    Twisting screw;
-  };
-  static Moving moving(const Frame& before, const Frame& now);
-  static Frame at_share(const Moving& moving, Real share);
+  /// By body.
+  const std::vector<Frame>& places(Real share) const;
+  Frame place(const Body& body, const Frame& parent, Real share) const;
 
   const CombinedScene& scene_;
-  std::vector<Moving> bodies_, sensors_;
+  std::size_t before_, now_;                           // frames
+  mutable std::map<Real, std::vector<Frame>> places_;  // by share, as far as they were needed
 };
 
 Frame frame_of(const Place& place);

@@ -199,25 +199,18 @@ class PixelComparison {
   }
 
   void coordinates(const PixelValues& values, const ExactHit& hit, bool has_surface, Real along, Check& value) const {
-    // A scale of 1/2 doubles what is wrong. The mesh of a box is brought to its
-    // size in double.
     const Real size = has_surface ? glm::length(hit.in_shape) : Real(0);
-    const Vector expected = has_surface ? in_mesh(with_.body(hit), hit.in_shape) : Vector(kNone);
+    const Vector expected = has_surface ? in_metres(with_.body(hit), hit.in_shape) : Vector(kNone);
     for (int k = 0; k < 3; ++k) {
       value("object coordinates", values.number("object_coordinates", static_cast<std::size_t>(k), 3), expected[k],
             2 * along + 4 * kFloat * (size + along));
     }
   }
 
-  /// The mesh of heights has cells whose lengths are powers of two, and begins at low_m.
-  static Vector in_mesh(const Body& body, const Vector& in_shape) {
-    if (body.kind != ShapeKind::heights) return in_shape;
-    const Heights& h = body.heights;
-    const Real cells[] = {Real(body.size_m.x) / (h.columns - 1), Real(body.size_m.y) / (h.rows - 1),
-                          std::abs(Real(h.high_m) - Real(h.low_m)) / 65535};
-    Vector at = in_shape - Vector(0, 0, h.low_m);
-    for (int k = 0; k < 3; ++k) at[k] *= std::exp2(std::floor(std::log2(cells[k]))) / cells[k];
-    return at;
+  /// The origin of a mesh of heights is at low_m.
+  static Vector in_metres(const Body& body, const Vector& in_shape) {
+    const Real low_m = body.kind == ShapeKind::heights ? body.heights.low_m : 0;
+    return (in_shape - Vector(0, 0, low_m)) * Vector(body.scale);
   }
 
   void layers(const PixelValues& values, const PixelRay& pixel, Check& value) const {

@@ -24,6 +24,9 @@ const char* const kOtherSensors[] = {"type='sonar' rays='64'",
                                      "type='tof_camera' width='16' height='12'",
                                      "type='thermal_camera' width='16' height='12'",
                                      "type='keypoints' width='32' height='24' points='B*'",
+                                     "type='imu' gyroscope_stddev='0.01'",
+                                     "type='gnss' horizontal_stddev='1'",
+                                     "type='odometry' kind='wheel' wheel_separation='0.4' slip_stddev='0.05'",
                                      kWideBeams,
                                      "type='event_camera' width='12' height='9'"};
 

@@ -18,12 +18,13 @@ namespace {
 
 constexpr double kRate_hz = 16, kU = 0x1p-53;
 
-/// A body that turns about two axes and drives. MAST, an unlit wall whose edges a wide camera sees, is fixed to it.
-Simulation body_with(const std::string& sensor) {
+/// A body on a chain: it turns about two axes and drives. MAST, an unlit wall whose edges a wide camera sees, is fixed
+/// to it. There are `dense` frames for each measurement of the sensor, whose `rate` is 16.
+Simulation body_with(const std::string& sensor, int dense) {
   const TemporaryFolder folder;
   write_text(folder / "wall.gltf", wall_gltf());
   SimulationDesc desc;
-  desc.rate_hz = kRate_hz;
+  desc.rate_hz = kRate_hz * dense;
   return Simulation::from_string(
       R"(<part name="O" insert_at="ROOT"/>
          <element type="joint" name="YAW" insert_at="O" axis="0 0 1" lower="-1e4" upper="1e4"/>
@@ -37,30 +38,45 @@ Simulation body_with(const std::string& sensor) {
       desc, folder.path());
 }
 
-/// Up to 30 degrees and 0.4 m in a frame.
-void move(Simulation& simulation, int frame) {
-  simulation.set("YAW", "value", 23.0 * frame);
-  simulation.set("ROLL", "value", -17.0 * frame * frame);
-  simulation.set("DRIVE", "x", 0.3 * frame);
-  simulation.set("DRIVE", "z", -0.2 * frame);
-  simulation.step();
+/// The frames up to a measurement. Up to 85 degrees and 0.4 m from one measurement to the next.
+void move(Simulation& simulation, int measurement, int dense) {
+  for (int part = measurement == 0 ? dense : 1; part <= dense; ++part) {
+    const double at = measurement - 1 + static_cast<double>(part) / dense;
+    simulation.set("YAW", "value", 23.0 * at);
+    simulation.set("ROLL", "value", -17.0 * at * at);
+    simulation.set("DRIVE", "x", 0.3 * at);
+    simulation.set("DRIVE", "z", -0.2 * at);
+    simulation.step();
+  }
 }
 
+constexpr int kDense[] = {1, 4};
+
 TEST_CASE("a sweeping scanner measures the plate that is fixed to it at its place, within the stated bound") {
-  for (const char* const attributes : {"", "sweep='0.05'", "sweep='0.09'",
-                                       "sweep='0.05' sweep_direction='cw' vertical_samples='3' "
-                                       "vertical_min_angle='-10' vertical_max_angle='10'"}) {
+  for (const auto& [given, frames] :
+       std::vector<std::pair<std::string, int>>{{"", 1},
+                                                {"sweep='0.05'", 1},
+                                                {"sweep='0.05'", 4},
+                                                {"sweep='0.09'", 1},
+                                                {"sweep='0.09'", 4},
+                                                {"sweep='0.05' sweep_direction='cw' vertical_samples='3' "
+                                                 "vertical_min_angle='-10' vertical_max_angle='10'",
+                                                 3}}) {
+    const std::string attributes = given;
+    const int dense = frames;
     CAPTURE(attributes);
+    CAPTURE(dense);
     Simulation simulation =
         body_with(std::string("<part name='PLATE' insert_at='BODY' shape='plane' size='100 100' "
                               "pose_offset='0 0.5 0 90 0 0'/>"
                               "<sensor type='laser_scanner' name='SCAN' insert_at='BODY' samples='31' "
-                              "min_angle='60' max_angle='120' ") +
-                  attributes + "/>");
+                              "min_angle='60' max_angle='120' rate='16' ") +
+                      attributes + "/>",
+                  dense);
     // Twenty roundings of chained poses a few metres from the origin, of which the plate's distance is the difference.
     constexpr double kPoses_m = 20 * kU * 4;
     for (int frame = 0; frame < 4; ++frame) {
-      move(simulation, frame);
+      move(simulation, frame, dense);
       const Scan& scan = simulation.scan("SCAN");
       for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
         const double elevation =
@@ -86,39 +102,51 @@ TEST_CASE("cameras see what is fixed to them as if nothing moved") {
            {"stereo_camera", pixels + "outputs='depth' baseline='0.05' row_time='0.001' rows_per_pose='1'"},
            {"keypoints", pixels + "points='POINT' row_time='0.001' rows_per_pose='1'"}}) {
     const std::string type = of_type, attributes = given;
-    CAPTURE(type);
-    CAPTURE(attributes);
-    Simulation simulation = body_with("<sensor type='" + type + "' name='CAM' insert_at='BODY' " + attributes + "/>");
-    std::vector<double> first;
-    for (int frame = 0; frame < 4; ++frame) {
-      move(simulation, frame);
-      std::vector<double> values;
-      for (const MeasuredArray& each : simulation.measurement("CAM").arrays) {
-        const std::optional<Image> image = to_image(each);
-        if (image) values.insert(values.end(), image->pixels.begin(), image->pixels.end());
+    for (const int dense : kDense) {
+      CAPTURE(type);
+      CAPTURE(attributes);
+      CAPTURE(dense);
+      Simulation simulation =
+          body_with("<sensor type='" + type + "' name='CAM' insert_at='BODY' rate='16' " + attributes + "/>", dense);
+      std::vector<double> first;
+      for (int frame = 0; frame < 4; ++frame) {
+        move(simulation, frame, dense);
+        std::vector<double> values;
+        for (const MeasuredArray& each : simulation.measurement("CAM").arrays) {
+          const std::optional<Image> image = to_image(each);
+          if (image) values.insert(values.end(), image->pixels.begin(), image->pixels.end());
+        }
+        if (values.empty()) values = measured_table(simulation.measurement("CAM")).values;
+        if (frame == 0) first = values;
+        REQUIRE(values.size() == first.size());
+        REQUIRE_FALSE(values.empty());
+        std::size_t others = 0;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          // Float32 of a depth, or a place in the picture from poses of a few metres with 30 roundings and a focal
+          // length of 6 pixels.
+          const double tolerance = type == "keypoints" ? 30 * kU * 4 * 6 / 0.4 : std::abs(first[i]) * 0x1p-23;
+          others += !(values[i] == first[i] || std::abs(values[i] - first[i]) <= tolerance);
+        }
+        CHECK(others == 0);
       }
-      if (values.empty()) values = measured_table(simulation.measurement("CAM")).values;
-      if (frame == 0) first = values;
-      REQUIRE(values.size() == first.size());
-      REQUIRE_FALSE(values.empty());
-      std::size_t others = 0;
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        // Float32 of a depth, or a place in the picture from poses of a few metres with 30 roundings and a focal length
-        // of 6 pixels.
-        const double tolerance = type == "keypoints" ? 30 * kU * 4 * 6 / 0.4 : std::abs(first[i]) * 0x1p-23;
-        others += !(values[i] == first[i] || std::abs(values[i] - first[i]) <= tolerance);
-      }
-      CHECK(others == 0);
     }
   }
 }
 
 TEST_CASE("an event camera has no event from what is fixed to it") {
-  Simulation simulation =
-      body_with("<sensor type='event_camera' name='EVENTS' insert_at='BODY' width='40' height='30' hfov='150'/>");
-  for (int frame = 0; frame < 4; ++frame) {
-    move(simulation, frame);
-    CHECK(measured_table(simulation.measurement("EVENTS")).values.empty());
+  for (const int dense : kDense) {
+    for (const char* const rate : {"", "rate='16'"}) {
+      CAPTURE(dense);
+      CAPTURE(rate);
+      Simulation simulation = body_with(
+          std::string("<sensor type='event_camera' name='EVENTS' insert_at='BODY' width='40' height='30' hfov='150' ") +
+              rate + "/>",
+          dense);
+      for (int frame = 0; frame < 4; ++frame) {
+        move(simulation, frame, dense);
+        CHECK(measured_table(simulation.measurement("EVENTS")).values.empty());
+      }
+    }
   }
 }
 

@@ -137,10 +137,13 @@ double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
   return 2 * most;  // for the two axes
 }
 
+// Of a depth within ten metres that is interpolated on one wall: a thousand roundings of float32. Pixels that show two
+// walls or three are off by far more.
+constexpr double kOneSurface_m = 1024 * 0x1p-24 * 10;
+
 Errors compare(const Camera& camera, const Lensed& l) {
   const Lens lens(l.model);
   Errors e;
-  const double bound_m = requested(camera, "depth_error_bound_m");
   const Image color = color_of(camera), depth = depth_of(camera);
   for (std::uint32_t y = 0; y < l.height_px; ++y) {
     for (std::uint32_t x = 0; x < l.width_px; ++x) {
@@ -165,7 +168,7 @@ Errors compare(const Camera& camera, const Lensed& l) {
       const double depth_off_m = std::abs(static_cast<double>(depth_m) - true_depth(ray));
       e.depth_m = std::max(e.depth_m, depth_off_m);
       // The edges of the room are creases, where the view has no finer information than that.
-      if (depth_off_m > bound_m) ++e.beside_steps;
+      if (depth_off_m > kOneSurface_m) ++e.beside_steps;
     }
   }
   return e;
@@ -195,8 +198,11 @@ TEST_CASE("every pixel of a distorted image shows what its ray hits, also across
     const Errors e = compare(camera, lens);
     CHECK(e.pixels > 20'000);
     CHECK(e.color_excess <= kColorRounding);
-    // The room has no depth steps, so each depth has its bound, except for pixels where three walls meet.
-    CHECK(e.beside_steps <= 16);
+    // Only pixels at the edges of the room are off, and where three walls meet they do not say by how much: the largest
+    // error of the image has no bound.
+    CHECK(e.beside_steps > 0);
+    CHECK(50 * e.beside_steps <= e.pixels);
+    CHECK(std::isinf(requested(camera, "depth_error_bound_m")));
     MESSAGE("largest error of colour " << e.color << ", of depth " << e.depth_m << " m, bound "
                                        << requested(camera, "depth_error_bound_m") << " m, beside " << e.beside_steps);
   }
@@ -232,9 +238,9 @@ TEST_CASE("twice the oversampling reduces the interpolation error to a quarter")
 
 TEST_CASE("a lens without distortion gives the picture of a pinhole camera") {
   const test::RendererScene scene = room();
-  const Lensed straight{{.pinhole = {150, 150, 100, 80}}};
+  const Lensed straight{{.pinhole = {600, 600, 100, 80}}};  // it sees one wall
   Camera camera = lens_camera(straight);
-  Camera plain("P", {.pinhole = {.width_px = 200, .height_px = 160, .hfov_rad = 2 * std::atan(100.0 / 150)},
+  Camera plain("P", {.pinhole = {.width_px = 200, .height_px = 160, .hfov_rad = 2 * std::atan(100.0 / 600)},
                      .color = true,
                      .depth = true});
   FramePlan plan, plain_plan;
@@ -249,6 +255,7 @@ TEST_CASE("a lens without distortion gives the picture of a pinhole camera") {
   };
   CHECK(largest_difference(color_of(camera), color_of(plain)) <= kColorRounding);
   const double depth = largest_difference(depth_of(camera), depth_of(plain));
+  CHECK(std::isfinite(requested(camera, "depth_error_bound_m")));
   CHECK(depth <= requested(camera, "depth_error_bound_m") + requested(plain, "depth_error_bound_m"));
 }
 

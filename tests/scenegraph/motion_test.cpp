@@ -9,6 +9,8 @@
 
 #include <simvis/node.h>
 #include <simvis/pose.h>
+#include "scenegraph/flattener.h"
+#include "scenegraph/motion_path.h"
 
 TEST_SUITE_BEGIN("scenegraph");
 
@@ -78,7 +80,7 @@ TEST_CASE("a pose between two poses lies on their screw, and what is fixed to a 
         CAPTURE(share);
         const glm::dmat4 pose = pose_between(body(0), body(1), share);
         const glm::dmat4 of_fixed = pose_between(body(0) * fixed, body(1) * fixed, share);
-        const glm::dmat4 placed = place_at(move_between(body(0) * fixed, body(1) * fixed), share - 1, body(1) * fixed);
+        const glm::dmat4 placed = place_at(path_between(body(0) * fixed, body(1) * fixed), share - 1, body(1) * fixed);
         for (int i = 0; i < 4; ++i) {
           CHECK(glm::length(pose[i] - body(share)[i]) <= tolerance_m);
           CHECK(glm::length(of_fixed[i] - (body(share) * fixed)[i]) <= tolerance_m);
@@ -121,45 +123,6 @@ std::shared_ptr<Shape> small_shape() {
   mesh->indices = {0, 1, 2};
   compute_bounds(*mesh);
   return std::make_shared<Shape>(mesh);
-}
-
-TEST_CASE("the matter of an item moves with its transform, also when the graph changes around it") {
-  const auto root = std::make_shared<Group>();
-  const auto arm = std::make_shared<Separator>(), other = std::make_shared<Separator>();
-  const auto turn = std::make_shared<Transform>(),
-             size = std::make_shared<Transform>(glm::scale(glm::dmat4(1), {2, 3, 4}));
-  arm->add(turn);
-  arm->add(size);
-  arm->add(small_shape());
-  other->add(std::make_shared<Transform>(glm::translate(glm::dmat4(1), {0, 5, 0})));
-  other->add(small_shape());
-  root->add(arm);
-  Flattener flattener(root);
-  ItemMotions motions;
-  const auto frame = [&](int number) {
-    turn->set_matrix(screw_pose(number * kStep_s, {1, 0, 0}, 2, 0));
-    const DrawList& list = flattener.update();
-    motions.update(flattener, list, number * kStep_ns);
-    return &list;
-  };
-  const glm::dvec3 point(3, 2, 1), expected = glm::cross(glm::dvec3(0, 0, 2), point - glm::dvec3(1, 0, 0));
-  const DrawList* list = frame(0);
-  CHECK(motions.velocity_mps(*list, 0, point) == glm::dvec3(0));
-  list = frame(1);
-  CHECK(error(motions.velocity_mps(*list, 0, point), expected) <= velocity_tolerance(5) * 4);
-  root->insert_before(*arm, other);  // the arm's item is the second one from now on
-  list = frame(2);
-  REQUIRE(list->items.size() == 2);
-  CHECK(motions.velocity_mps(*list, 0, point) == glm::dvec3(0));
-  CHECK(error(motions.velocity_mps(*list, 1, point), expected) <= velocity_tolerance(5) * 4);
-  // A body that grows from the origin of its frame.
-  size->set_matrix(glm::scale(glm::dmat4(1), {4, 6, 8}));
-  turn->set_matrix(glm::dmat4(1));
-  flattener.update();
-  motions.update(flattener, *list, 3 * kStep_ns);
-  size->set_matrix(glm::scale(glm::dmat4(1), {8, 12, 16}));
-  motions.update(flattener, flattener.update(), 4 * kStep_ns);
-  CHECK(error(motions.velocity_mps(*list, 1, {1, 1, 1}), glm::dvec3(0.5 / kStep_s)) <= velocity_tolerance(10));
 }
 
 TEST_CASE("the flattener says what stands at a watched insertion point") {

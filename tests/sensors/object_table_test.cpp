@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
@@ -507,6 +508,38 @@ TEST_CASE("trees of hidden things are made once, as long as their meshes are the
   list.meshes[1] = std::make_shared<Mesh>(*list.meshes[1]);
   find_both();
   CHECK(silhouettes.meshes_built() == 3);
+}
+
+// A ball of radius 0.4 m at 3 m, half of which a wall hides; another one reaches out of the picture.
+TEST_CASE("a cloud of points with a radius has the boxes of its shapes, one without what is shown") {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "point.pcd") << "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\n"
+                                         "HEIGHT 1\nPOINTS 1\nDATA ascii\n0 0 0\n";
+  const std::string wall =
+      "<part name='WALL' insert_at='ROOT' shape='box' size='0.1 2 2' pose_offset='2 1.1 0 0 0 0'/>";
+  for (const std::string place : {"3 0 0 0 0 0", "3 -3 0 0 0 0"}) {
+    CAPTURE(place);
+    const auto row_of = [&](const std::string& attributes) {
+      Simulation simulation = Simulation::from_string(
+          "<part name='BALL' insert_at='ROOT' pose_offset='" + std::string(place) + "' " + attributes +
+              "/><element type='label' name='L' insert_at='ROOT' part='BALL' class='ball' class_id='7'/>" + wall +
+              straight_camera(),
+          {}, folder.path());
+      simulation.step();
+      return object_rows(simulation).at("BALL");
+    };
+    const ObjectRow ball = row_of("shape='sphere' radius='0.4'"), cloud = row_of("file='point.pcd' point_radius='0.4'");
+    CHECK(ball.at("full_pixels") > ball.at("visible_pixels"));
+    for (const char* const name : {"visible", "picture", "full"}) {
+      CAPTURE(name);
+      CHECK(box_of(cloud, name) == box_of(ball, name));
+      CHECK(cloud.at(name + std::string("_pixels")) == ball.at(name + std::string("_pixels")));
+    }
+    if (place[2] == '-') continue;  // a point outside the picture is not seen
+    const ObjectRow point = row_of("file='point.pcd'");
+    CHECK(point.at("visible_pixels") > 0);
+    CHECK(point.at("full_pixels") == point.at("visible_pixels"));
+  }
 }
 
 TEST_CASE("silhouettes need boxes") {

@@ -21,7 +21,9 @@
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 #include <simvis/surface_point.h>
+#include "program/output/depth_png_file.h"
 #include "tests/sensors/truth_scene.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -62,6 +64,7 @@ class RayReference {
       const glm::dmat4& world_from_mesh = list_.world_from_node[list_.items[hits[i].item].transform];
       each.in_mesh =
           glm::dvec3(glm::inverse(world_from_mesh) * world_from_view * glm::dvec4(hits[i].range_m * directions[i], 1));
+      for (int axis = 0; axis < 3; ++axis) each.in_mesh[axis] *= glm::length(glm::dvec3(world_from_mesh[axis]));
     }
     return seen;
   }
@@ -312,6 +315,53 @@ TEST_CASE("both views of a stereo camera have truth, drawn or cast, and the same
     differ += std::abs(disparities[0][i] - disparities[1][i]) > 0.024;
   }
   CHECK(differ <= kTruthWidth * kTruthHeight / 256);
+}
+
+TEST_CASE("object coordinates are metres from the origin of the mesh, whatever its unit and scale are") {
+  struct Thing {
+    std::string attributes;
+    glm::dvec3 origin_m;  // in the frame of the part
+    std::string scale{};  // of an element at the part
+  };
+  const TemporaryFolder folder;
+  // A slope: the picture has two columns of the codes 0 and 65535. The mesh of its heights is not in metres.
+  write_text(folder / "slope.png", encode_depth_png({2, 2, 1, {0, 65535, 0, 65535}}, 1));
+  for (const Thing& thing : {Thing{"shape='heightmap' size='3 5' heights='slope.png' z_range='0.3 1.7'", {0, 0, 0.3}},
+                             Thing{"shape='box' size='10 8 5'", {0, 0, 0}, "x='0.1' y='0.2' z='0.3'"},
+                             Thing{"shape='sphere' radius='100'", {0, 0, 0}, "x='0.01' y='0.01' z='0.01'"}}) {
+    CAPTURE(thing.attributes);
+    for (const char* const more : {"", " normal"}) {
+      Simulation simulation = Simulation::from_string(
+          "<part name='THING' insert_at='ROOT' pose_offset='4 0 -1 0 0 30' " + thing.attributes + "/>" +
+              (thing.scale.empty() ? ""
+                                   : "<element type='scale' name='SCALE' insert_at='THING' " + thing.scale + "/>") +
+              "<sensor type='camera' name='CAM' insert_at='ROOT' pose_offset='0 0 1 0 25 0' width='24' height='18' "
+              "outputs='range object_coordinates" +
+              more + "'/>",
+          {}, folder.path());
+      simulation.step();
+      const Measurement measurement = simulation.measurement("CAM");
+      const std::vector<double> range_m = truth_numbers(measurement, "range"),
+                                place = truth_numbers(measurement, "object_coordinates");
+      const glm::dmat4 thing_from_camera =
+          rigid_inverse(matrix_from_degrees({4, 0, -1}, 0, 0, 30)) * matrix_from_degrees({0, 0, 1}, 0, 25, 0);
+      int compared = 0;
+      for (std::size_t i = 0; i < range_m.size(); ++i) {
+        if (std::isinf(range_m[i])) continue;
+        ++compared;
+        const glm::dvec3 coordinates(place[3 * i], place[3 * i + 1], place[3 * i + 2]);
+        const double across = (static_cast<double>(i % 24) + 0.5 - 12) / (12 / std::tan(glm::radians(30.0))),
+                     down = (static_cast<double>(i / 24) + 0.5 - 9) / (12 / std::tan(glm::radians(30.0)));
+        const glm::dvec3 ray = glm::normalize(glm::dvec3(1, -across, -down));
+        const glm::dvec3 expected = glm::dvec3(thing_from_camera * glm::dvec4(range_m[i] * ray, 1)) - thing.origin_m;
+        // The range is a float within 6 m; drawn, the surface is within its bound, far below a micrometre here but for
+        // the sphere, whose flat sides lie up to 0.1 pixels inside: the coordinates are those of the sphere.
+        const double drawn_m = thing.attributes.find("sphere") == std::string::npos ? 1e-5 : 0.02;
+        CHECK(glm::distance(coordinates, expected) <= 8 * kStoredTwice * 6 + drawn_m);
+      }
+      CHECK(compared > 20);
+    }
+  }
 }
 
 }  // namespace
