@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "simvis/command_names.h"
+#include "simvis/declared_sensors.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -23,12 +24,12 @@ void SceneBuilder::note_copies(std::span<const Command> commands) {
   }
 }
 
-// Sensors may be referred to before their commands.
+// Sensors may be referred to before their commands, and a sensor of a model's file gives way to one of the same name.
 void SceneBuilder::announce(std::span<const Command> commands) {
   for (const Command& command : commands) {
     const CommandAttribute* const name = command.find("name");
-    if (command.kind != CommandKind::sensor || command.scope == nullptr || name == nullptr) continue;
-    announced_sensors_.insert(command.scope->prefix + name->value);
+    if (command.kind != CommandKind::sensor || name == nullptr) continue;
+    announced_sensors_.insert(prefix_of(command) + name->value);
   }
 }
 
@@ -115,7 +116,8 @@ bool SceneBuilder::clashes(std::span<const Command> carried, const PartContent& 
       case CommandKind::element:
         return element_names_.contains(prefix + name->value);
       case CommandKind::sensor:
-        return sensor_names_.contains(prefix + name->value);
+        return sensor_names_.contains(prefix + name->value) &&
+               !(is_declared(command, content) && announced_sensors_.contains(prefix + name->value));
       case CommandKind::remove:
         break;
     }

@@ -130,9 +130,9 @@ class FrameMessages::SensorMessages {
             });
   }
 
-  // Views without images and events have no messages.
+  // Views without images, events and boxes have no messages.
   void add_views(const Measurement& measurement) {
-    const bool has_events = camera_of_events(measurement) != nullptr;
+    const bool has_events = camera_of_events(measurement) != nullptr, has_boxes = ros::has_boxes(measurement.arrays);
     for (const Calibration& each : *measurement.calibrations) {
       const auto is_seen = [&](ImageContent content) {
         if (has_events && content == ImageContent::color) return true;
@@ -141,7 +141,7 @@ class FrameMessages::SensorMessages {
         });
       };
       const bool any = std::ranges::any_of(kInfoTopics, [&](const auto& each) { return is_seen(each.first); });
-      if (!any) continue;
+      if (!any && !has_boxes) continue;
       glm::dmat4 sensor_from_optical = sensor_from_view();
       sensor_from_optical[3] = glm::dvec4(0, -each.camera.baseline_m, 0, 1);
       messages_.transforms_.set(frame_, optical_frame(frame_, each.view), sensor_from_optical, false);

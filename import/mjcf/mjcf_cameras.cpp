@@ -1,6 +1,5 @@
 #include "import/mjcf/mjcf_cameras.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <string_view>
@@ -57,7 +56,8 @@ void add_intrinsics(const MjcfElement& camera, const glm::dvec2& size_px, const 
 
 }  // namespace
 
-std::string mjcf_camera_command(const MjcfElement& camera, const std::string& point, ImportReport& report) {
+std::string mjcf_camera_command(const MjcfElement& camera, const std::string& name, const std::string& point,
+                                ImportReport& report) {
   glm::dvec2 size_px = pair_of(camera, "resolution", glm::dvec2(1));
   for (int i = 0; i < 2; ++i) {
     if (size_px[i] >= 1 && size_px[i] <= kMaxPixels && size_px[i] == std::floor(size_px[i])) continue;
@@ -70,8 +70,6 @@ std::string mjcf_camera_command(const MjcfElement& camera, const std::string& po
   if (const std::string mode = camera.text("mode", "fixed"); mode != "fixed") {
     report.leave_out("mode " + in_quotes(mode) + " of a camera", camera.at());
   }
-  std::string name = point;
-  std::ranges::replace(name, '.', '_');  // it becomes the name of files
   FileCommand command(CommandKind::sensor, "camera", name, point);
   command.add("width", size_px.x);
   command.add("height", size_px.y);

@@ -223,7 +223,7 @@ class MjcfImport {
     const std::string point = points_.add(inside.name(own.empty() ? "camera" : own));
     frames_.add({.name = "camera", .parent = inside.frame, .steps = {{.place = place, .point = point}}});
     try {
-      cameras_.push_back(mjcf_camera_command(camera, point, report_));
+      cameras_.push_back(mjcf_camera_command(camera, sensors_.add(sensor_name(point)), point, report_));
     } catch (const InputError& error) {
       report_.warn(without_word_error(error.what()) + "; the camera is left out");
     }
@@ -278,7 +278,7 @@ class MjcfImport {
   const MjcfModel& model_ = tree_->model();
   ImportReport report_;
   MjcfGeoms geoms_;
-  UniqueNames points_, elements_;
+  UniqueNames points_, elements_, sensors_;
   MjcfAttachments attachments_;
   MjcfLights lights_{report_};
   std::vector<const MjcfModel*> open_{&model_};  // models that stand around what is read

@@ -1,6 +1,7 @@
 // Names that differ from each other.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -21,5 +22,17 @@ class UniqueNames {
  private:
   std::map<std::string, int> last_;  // number of the last one of each name
 };
+
+/// A name that a sensor of a file may have, which becomes a name of files: without '.', and with '/' between names
+/// only.
+inline std::string sensor_name(std::string name) {
+  std::ranges::replace(name, '.', '_');
+  std::string cleaned;
+  for (const char c : name) {
+    if (c != '/' || (!cleaned.empty() && cleaned.back() != '/')) cleaned += c;
+  }
+  if (cleaned.ends_with('/')) cleaned.pop_back();
+  return cleaned.empty() ? "sensor" : cleaned;
+}
 
 }  // namespace simvis

@@ -20,6 +20,25 @@ constexpr NamedTag kCameraTags[] = {{"imageTopicName", "image_raw"},
                                     {"depthImageInfoTopicName", "depth/camera_info"},
                                     {"depthImageCameraInfoTopicName", "depth/camera_info"},
                                     {"pointCloudTopicName", "points"}};
+// What a camera of ROS 2 sends without being asked. Its depth clouds are large, and come by a <remapping>.
+constexpr std::string_view kUnasked[] = {"image_raw", "camera_info", "depth/image_raw", "depth/camera_info"};
+// The messages at <topic> of a camera of gz-sim, and what follows the topic in their names.
+struct OwnTopic {
+  std::string_view type;
+  const char* what;
+  const char* ending;
+};
+constexpr OwnTopic kOwnTopics[] = {{"camera", "image_raw", ""},
+                                   {"wideanglecamera", "image_raw", ""},
+                                   {"wide_angle_camera", "image_raw", ""},
+                                   {"depth", "depth/image_raw", ""},
+                                   {"depth_camera", "depth/image_raw", ""},
+                                   {"rgbd", "image_raw", "/image"},
+                                   {"rgbd", "depth/image_raw", "/depth_image"},
+                                   {"rgbd", "points", "/points"},
+                                   {"rgbd_camera", "image_raw", "/image"},
+                                   {"rgbd_camera", "depth/image_raw", "/depth_image"},
+                                   {"rgbd_camera", "points", "/points"}};
 // The message of a sensor that sends one, by its type.
 constexpr NamedTag kMessages[] = {{"imu", "imu"},
                                   {"gnss", "fix"},
@@ -32,6 +51,8 @@ constexpr const char* kFrameTags[] = {"frameName", "frame_name", "frameId", "fra
 constexpr const char* kOwnFrameTags[] = {"gz_frame_id", "ignition_frame_id", "frame_id"};
 // Parts of the file names of plug-ins that publish a sensor.
 constexpr std::string_view kPublishers[] = {"gazebo_ros_", "hector_gazebo", "velodyne_laser"};
+
+constexpr const char* kRemapping = "a <remapping> of a message that the sensor does not send";
 
 std::string first_text(const SdfElement& parent, std::span<const char* const> tags) {
   for (const char* const tag : tags) {
@@ -86,8 +107,8 @@ std::vector<std::pair<std::string, std::string>> remappings(const SdfElement& ro
 
 }  // namespace
 
-void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, const std::string& sensor,
-                              Names& names) {
+void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, const std::string& sensor, Names& names,
+                              ImportReport& report) {
   const SdfElement ros = plugin.child("ros");
   const std::string space = ros ? ros.child("namespace").text() : plugin.child("robotNamespace").text();
   const auto add = [&](std::string what, const std::string& topic) {
@@ -97,12 +118,17 @@ void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, c
     const std::string base = (ros ? plugin.child("camera_name") : plugin.child("cameraName")).text();
     const std::string camera = ros && base.empty() ? sensor : base;
     for (const NamedTag& each : kCameraTags) {
+      if (ros && std::ranges::count(kUnasked, each.what) == 0) continue;
       const std::string own = ros ? each.what : plugin.child(each.tag).text();
       if (own.empty() || camera.empty()) continue;
       add(each.what, own.starts_with('/') ? own : camera + "/" + own);
     }
     for (const auto& [own, topic] : remappings(ros)) {
       const std::string kind = own.starts_with(camera + "/") ? own.substr(camera.size() + 1) : own;
+      if (std::ranges::count(kCameraTags, kind, &NamedTag::what) == 0) {
+        report.leave_out(kRemapping, plugin.at());
+        continue;
+      }
       std::erase_if(names.topics, [&](const auto& each) { return each.first == kind; });
       add(kind, topic);
     }
@@ -110,7 +136,11 @@ void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, c
     const std::string what = message_of(type, plugin);
     add(what, first_text(plugin, kTopicTags));
     for (const auto& [own, topic] : remappings(ros)) {
-      if (own == "out") add(what, topic);
+      if (own == "out") {
+        add(what, topic);
+      } else {
+        report.leave_out(kRemapping, plugin.at());
+      }
     }
   }
   if (std::string frame = first_text(plugin, kFrameTags); !frame.empty()) names.frame = std::move(frame);
@@ -121,7 +151,10 @@ void SdfMessages::add(const SdfElement& sensor, std::string_view type, const Sdf
                       SdfCommand& command, ImportReport& report) {
   Names names{.topics = {}, .frame = first_text(sensor, kOwnFrameTags), .where = sensor};
   if (const std::string topic = sensor.child("topic").text(); !topic.empty()) {
-    if (type == "camera") names.topics.emplace_back("image_raw", resolved("", topic));
+    for (const OwnTopic& each : kOwnTopics) {
+      if (sensor.attribute("type") == each.type)
+        names.topics.emplace_back(each.what, resolved("", topic + each.ending));
+    }
     const std::string what = message_of(type, sensor);
     if (!what.empty()) names.topics.emplace_back(what, resolved("", topic));
     if (what == "scan") names.topics.emplace_back("points", resolved(topic, "points"));
@@ -129,7 +162,7 @@ void SdfMessages::add(const SdfElement& sensor, std::string_view type, const Sdf
   for (const SdfElement& child : sensor.children()) {
     if (child.tag() != "plugin") continue;
     if (is_publisher(child)) {
-      read_plugin(child, type, place.name, names);
+      read_plugin(child, type, place.name, names, report);
     } else {
       report.leave_out("element <plugin>", child.at());
     }
@@ -140,7 +173,7 @@ void SdfMessages::add(const SdfElement& sensor, std::string_view type, const Sdf
 void SdfMessages::add_plugin(const SdfElement& plugin, std::string_view type, const SdfPlace& place,
                              SdfCommand& command, ImportReport& report) {
   Names names;
-  read_plugin(plugin, type, place.name, names);
+  read_plugin(plugin, type, place.name, names, report);
   write(names, type, place, false, command, report);
 }
 
@@ -154,6 +187,7 @@ void SdfMessages::write(const Names& names, std::string_view type, const SdfPlac
       report.leave_out("a topic that ROS 2 does not take or that another sensor of the file has", names.where.at());
       continue;
     }
+    if (topic == topic_name(place.name, what) && what != "points") continue;  // the topic that it has anyway
     topics += (topics.empty() ? "" : " ") + what + ":=" + topic;
   }
   if (!topics.empty()) command.add("topics", topics);
@@ -162,6 +196,9 @@ void SdfMessages::write(const Names& names, std::string_view type, const SdfPlac
   const bool is_own_link = frame == place.insert_at && !has_offset;
   // The images of a camera have the frame of the sensor with this ending.
   constexpr std::string_view kOptical = "_optical";
+  if (type == "camera" && frame.ends_with("_optical_frame") && !links_.contains(frame)) {
+    return report.leave_out("an optical frame of a camera whose name does not end in _optical", names.where.at());
+  }
   if (type == "camera" && frame.ends_with(kOptical) && !links_.contains(frame)) {
     frame.erase(frame.size() - kOptical.size());
   }

@@ -5,8 +5,9 @@
 //   the same, ROS 2: <ros> with <namespace> and <remapping> NAME:=TOPIC; camera_name; output_type; frame_name
 //   gz-sim: <topic>, <gz_frame_id>, <ignition_frame_id> of the sensor
 //
-// They become the attributes `topics` and `frame`. A topic that another sensor of the file has already, a name that ROS
-// 2 does not take, and a frame that is a link other than the sensor's own are reported, and so is any other plug-in.
+// They become the attributes `topics` and `frame`. A topic that the sensor has by its name is not written. A topic that
+// another sensor of the file has already, a name that ROS 2 does not take, and a frame that is a link other than the
+// sensor's own are reported, and so is any other plug-in.
 #pragma once
 
 #include <set>
@@ -40,7 +41,8 @@ class SdfMessages {
   };
   void write(const Names& names, std::string_view type, const SdfPlace& place, bool has_offset, SdfCommand& command,
              ImportReport& report);
-  static void read_plugin(const SdfElement& plugin, std::string_view type, const std::string& sensor, Names& names);
+  static void read_plugin(const SdfElement& plugin, std::string_view type, const std::string& sensor, Names& names,
+                          ImportReport& report);
 
   std::set<std::string> links_, topics_, frames_;
 };

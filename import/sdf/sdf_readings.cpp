@@ -80,6 +80,7 @@ std::optional<SdfCommand> sdf_reading_command(const SdfElement& sensor, const Sd
       command.add("gravity", gravity.vector(glm::dvec3(0, 0, -9.8)));
     }
     const SdfElement imu = sensor.child("imu");
+    if (imu.child("enable_orientation").flag(true)) command.add("orientation", "on");
     add_axis_noise(imu.child("angular_velocity"), "gyroscope_", command, report);
     add_axis_noise(imu.child("linear_acceleration"), "accelerometer_", command, report);
     return command;

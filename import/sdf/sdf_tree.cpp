@@ -120,13 +120,9 @@ class TreeMaker {
 }  // namespace
 
 std::string SdfNames::sensor(const std::string& link, const std::string& name) {
-  std::string last = clean(name), first = clean(link);
+  std::string last = clean(name);
   std::ranges::replace(last, '/', '_');
-  for (std::string* each : {&first, &last}) std::ranges::replace(*each, '.', '_');
-  std::string whole = first + "/" + last;
-  while (whole.starts_with('/')) whole.erase(0, 1);
-  for (std::size_t at = whole.find("//"); at != std::string::npos; at = whole.find("//")) whole.erase(at, 1);
-  return sensors_.add(whole);
+  return sensors_.add(sensor_name(clean(link) + "/" + last));
 }
 
 std::string SdfNames::clean(const std::string& name) {

@@ -1,6 +1,8 @@
 #include "import/urdf/urdf_sensors.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -30,6 +32,37 @@ constexpr SensorPlugin kSensorPlugins[] = {{"hector_gazebo_ros_gps", "gnss"},
                                            {"hector_gazebo_ros_imu", "imu"},
                                            {"gazebo_ros_imu", "imu"},
                                            {"hector_gazebo_ros_magnetic", "magnetometer"}};
+
+// Numbers of plug-ins that are attributes of their sensors.
+struct Setting {
+  std::string_view type;
+  const char* tag;
+  const char* attribute;
+};
+constexpr Setting kSettings[] = {{"gnss", "referenceLatitude", "latitude"},
+                                 {"gnss", "referenceLongitude", "longitude"},
+                                 {"gnss", "referenceAltitude", "elevation"},
+                                 {"imu", "accelGaussianNoise", "accelerometer_stddev"},
+                                 {"imu", "rateGaussianNoise", "gyroscope_stddev"}};
+// Other elements that are read, of all types or of one, and those that say how Gazebo runs the plug-in.
+struct ReadTag {
+  std::string_view type, tag;
+};
+constexpr ReadTag kReadTags[] = {{"", "updateRate"},
+                                 {"", "bodyName"},
+                                 {"", "topicName"},
+                                 {"", "robotNamespace"},
+                                 {"", "frameId"},
+                                 {"", "frameName"},
+                                 {"", "alwaysOn"},
+                                 {"", "serviceName"},
+                                 {"gnss", "referenceHeading"},
+                                 {"imu", "xyzOffset"},
+                                 {"imu", "rpyOffset"},
+                                 {"magnetometer", "referenceHeading"},
+                                 {"magnetometer", "declination"},
+                                 {"magnetometer", "inclination"},
+                                 {"magnetometer", "magnitude"}};
 
 std::set<std::string> links_of(const UrdfFile& file) {
   std::set<std::string> links;
@@ -73,17 +106,16 @@ class UrdfSensors {
     where.fail("is a sensor of the link " + in_quotes(link) + ", which is not there");
   }
 
-  // Names of sensors become names of files.
-  SdfPlace place_of(std::string name, const std::string& link) {
-    std::ranges::replace(name, '/', '_');
-    std::ranges::replace(name, '.', '_');
-    return {names_.add(name), link};
-  }
+  SdfPlace place_of(const std::string& name, const std::string& link) { return {names_.add(sensor_name(name)), link}; }
 
   void add_sensor(const SdfElement& sensor, const std::string& link) {
     require_link(link, sensor);
+    const SdfPose pose = read_sdf_pose(sensor);
+    if (!pose.relative_to.empty() && pose.relative_to != link) {
+      sensor.fail("has a <pose> relative to " + in_quotes(pose.relative_to) + ", expected one relative to its link");
+    }
     std::optional<std::string> command =
-        sdf_sensor_command(sensor, {}, place_of(sensor.name(), link), read_sdf_pose(sensor).matrix, messages_, report_);
+        sdf_sensor_command(sensor, {}, place_of(sensor.name(), link), pose.matrix, messages_, report_);
     if (command) commands_.push_back(std::move(*command));
   }
 
@@ -99,31 +131,55 @@ class UrdfSensors {
     const double rate_hz = plugin.child("updateRate").number(0);
     if (rate_hz > 0) command.add("rate", rate_hz);
     add_settings(plugin, known->type, command);
+    report_unread(plugin, known->type);
     messages_.add_plugin(plugin, known->type, place, command, report_);
     commands_.push_back(command.text());
   }
 
   // Those of hector_gazebo_plugins, whose heading is clockwise from north, and whose noise is that of each axis.
   static void add_settings(const SdfElement& plugin, std::string_view type, SdfCommand& command) {
-    struct Setting {
-      const char* tag;
-      const char* attribute;
-    };
-    constexpr Setting kPlaces[] = {
-        {"referenceLatitude", "latitude"}, {"referenceLongitude", "longitude"}, {"referenceAltitude", "elevation"}};
-    constexpr Setting kNoise[] = {{"accelGaussianNoise", "accelerometer_stddev"},
-                                  {"rateGaussianNoise", "gyroscope_stddev"}};
-    for (const Setting& each : kPlaces) {
-      if (const SdfElement written = plugin.child(each.tag)) command.add(each.attribute, written.number(0));
-    }
     if (type == "gnss") command.add("heading", 90 - plugin.child("referenceHeading").number(0));
-    for (const Setting& each : kNoise) {
-      const std::string written = plugin.child(each.tag).text();  // one number, or one for each axis
+    if (type == "imu") {
+      command.add("orientation", "on");
+      for (const char* const tag : {"xyzOffset", "rpyOffset"}) {
+        const SdfElement offset = plugin.child(tag);
+        if (offset.vector(glm::dvec3(0)) != glm::dvec3(0)) offset.fail("moves the sensor, expected no offset");
+      }
+    }
+    if (type == "magnetometer") add_field(plugin, command);
+    for (const Setting& each : kSettings) {
+      if (type != each.type) continue;
+      const std::string written = plugin.child(each.tag).text();  // noise: one number, or one for each axis
       const std::vector<std::string_view> numbers = words_of(written);
-      double stddev = 0;
-      if (type != "imu" || numbers.empty()) continue;
-      if (!parse_number(numbers.front(), stddev)) plugin.fail("has a noise that is no number: " + in_quotes(written));
-      command.add(each.attribute, stddev);
+      double value = 0;
+      if (numbers.empty()) continue;
+      if (!parse_number(numbers.front(), value)) {
+        plugin.fail("has a <" + std::string(each.tag) + "> that is no number: " + in_quotes(written));
+      }
+      command.add(each.attribute, value);
+    }
+  }
+
+  // As gazebo_ros_magnetic.cpp of hector_gazebo_plugins (3ce1c30) does: in axes of which x points to the heading, y a
+  // quarter turn counter-clockwise of it. The inclination is positive downwards.
+  static void add_field(const SdfElement& plugin, SdfCommand& command) {
+    const auto radians = [&](const char* tag, double fallback) {
+      return glm::radians(plugin.child(tag).number(fallback));
+    };
+    const double strength = plugin.child("magnitude").number(1), down = radians("inclination", 60);
+    const double north = radians("referenceHeading", 0) - radians("declination", 0);
+    command.add("field", strength * glm::dvec3(std::cos(down) * std::cos(north), std::cos(down) * std::sin(north),
+                                               -std::sin(down)));
+  }
+
+  void report_unread(const SdfElement& plugin, std::string_view type) {
+    for (const SdfElement& child : plugin.children()) {
+      const auto is_it = [&](const ReadTag& each) {
+        return child.tag() == each.tag && (each.type.empty() || each.type == type);
+      };
+      const auto is_setting = [&](const Setting& each) { return child.tag() == each.tag && each.type == type; };
+      if (std::ranges::any_of(kReadTags, is_it) || std::ranges::any_of(kSettings, is_setting)) continue;
+      report_.leave_out("element <" + std::string(child.tag()) + "> of a plug-in", child.at());
     }
   }
 

@@ -1,11 +1,16 @@
 // The attributes of the sensor `laser_scanner`.
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "engine/base/decimal.h"
 #include "sensors/cloud_attributes.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/laser_scanner_presets.h"
+#include "sensors/laser_scanner/scan_beams.h"
 #include "sensors/laser_scanner/scan_calibration.h"
 #include "sensors/laser_scanner/scanner_pattern.h"
 
@@ -141,6 +146,49 @@ void require_possible_size(const AttributeValues& a, const ScanPattern& pattern)
                                            std::to_string(kMaxTableBeams));
 }
 
+// What the fields of a driver's cloud can hold.
+struct LayoutLimits {
+  std::string_view layout;
+  std::uint32_t rings;
+  double sweep_s;
+};
+constexpr double kAnySweep_s = std::numeric_limits<double>::infinity();
+constexpr double kWordSweep_s = 4;  // in nanoseconds in 32 bits, which end at 4.29 s
+constexpr LayoutLimits kLayoutLimits[] = {
+    {"velodyne", 65536, kAnySweep_s}, {"ouster", 65536, kWordSweep_s}, {"livox", 256, kWordSweep_s}};
+
+// The time from the first beam of a scan to its last, or a little more.
+double sweep_s(const AttributeValues& a, const LaserScannerDesc& desc) {
+  if (desc.table == nullptr) return a.number("sweep");
+  if (a.choice("firing") != "pattern") return 0;
+  const std::int64_t ns = desc.table_beams == 0 ? *std::ranges::max_element(desc.table->time_ns)
+                                                : RunningBeams(*desc.table, desc.table_beams).period_ns();
+  return static_cast<double>(ns) / 1e9;
+}
+
+std::uint32_t rings_of(const LaserScannerDesc& desc) {
+  if (desc.table == nullptr) return desc.pattern.rings;
+  const std::vector<std::uint32_t>& channels = desc.table->channel;
+  return channels.empty() ? desc.table->rings : *std::ranges::max_element(channels) + 1;
+}
+
+void require_layout(const AttributeValues& a, const LaserScannerDesc& desc) {
+  const std::string& layout = a.choice(kLayoutAttribute.name);
+  const auto* const limits = std::ranges::find(kLayoutLimits, layout, &LayoutLimits::layout);
+  if (limits == std::end(kLayoutLimits)) return;
+  const auto refuse = [&](const std::string& what) {
+    fail_at(a.where(kLayoutAttribute.name), "attribute \"layout\": " + in_quotes(layout) + " " + what);
+  };
+  if (const std::uint32_t rings = rings_of(desc); rings > limits->rings) {
+    refuse("cannot number the scanner's " + std::to_string(rings) + " rings, expected at most " +
+           std::to_string(limits->rings));
+  }
+  if (const double scan_s = sweep_s(a, desc); scan_s > limits->sweep_s) {
+    refuse("cannot hold the times of a scan of " + decimal(scan_s, 6) + " s, expected at most " +
+           decimal(limits->sweep_s, 6) + " s");
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(ScanMethod method) { return word_of(kScanMethods, method); }
@@ -190,6 +238,7 @@ void LaserScannerDesc::complete(const SensorContext& context) {
     pattern = {.beams = read->shape.columns, .rings = read->shape.rows};
   }
   require_possible_size(a, pattern);
+  require_layout(a, *this);
   // A tolerance without a method selects `hybrid`, which meets the tolerance and casts only where necessary.
   if (context.command.find("method") == nullptr && written_tolerance(context.command) != nullptr) {
     method = ScanMethod::hybrid;

@@ -13,6 +13,7 @@
 #include "elements/animation.h"
 #include "elements/described_robot.h"
 #include "elements/frame.h"
+#include "exchange/messages/detections.h"
 #include "exchange/messages/from_pose.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/attribute_place.h"
@@ -73,15 +74,14 @@ bool is_identity(const glm::dmat4& matrix) {
   return true;
 }
 
-// The names of the views of a sensor whose images have an optical frame.
+// The names of the views of a sensor whose images or detections have an optical frame.
 std::vector<std::string> views_of(const BuiltSensor& sensor) {
   std::vector<std::string> views;
+  const Measurement measurement = sensor.sensor->measurement();
   const bool any = has_content(sensor.outputs, ImageContent::color) ||
                    has_content(sensor.outputs, ImageContent::depth) ||
-                   has_content(sensor.outputs, ImageContent::counts);
-  if (!any) return views;
-  const Measurement measurement = sensor.sensor->measurement();
-  if (measurement.calibrations == nullptr) return views;
+                   has_content(sensor.outputs, ImageContent::counts) || ros::has_boxes(measurement.arrays);
+  if (!any || measurement.calibrations == nullptr) return views;
   for (const Calibration& each : *measurement.calibrations) views.push_back(each.view);
   return views;
 }

@@ -23,6 +23,22 @@ constexpr std::string_view kTopics = "topics", kIs = ":=", kRest = "*";
 // Topics of the whole simulation.
 constexpr std::string_view kTakenTopics[] = {"/clock",       "/tf",    "/tf_static", "/parameter_events",
                                              "/diagnostics", "/rosout"};
+// What sensors send besides their outputs, also below the names of two views.
+constexpr std::string_view kKinds[] = {"image_raw",
+                                       "camera_info",
+                                       "depth/image_raw",
+                                       "depth/camera_info",
+                                       "depth/millimetres",
+                                       "thermal/image_raw",
+                                       "thermal/camera_info",
+                                       "points",
+                                       "detections",
+                                       "detections_3d",
+                                       "scan",
+                                       "livox",
+                                       "events",
+                                       "pose"};
+constexpr std::string_view kViews[] = {"", "left/", "right/"};
 constexpr std::string_view kDescription = "/robot_description", kSimulation = "the simulation";
 
 std::vector<std::pair<std::string, std::string>> read_topics(const CommandAttribute& attribute) {
@@ -88,10 +104,11 @@ std::map<std::string, std::string> users_of_topics(const BuiltScene& scene) {
   return user_of_topic;
 }
 
-/// The sensor that sends below this topic's folder; null if none does.
-const std::string* find_sender(const std::map<std::string, std::string>& sensor_of_folder, std::string_view topic) {
-  const auto below =
-      std::ranges::find_if(sensor_of_folder, [&](const auto& each) { return is_below(topic, each.first); });
+/// The sensor, other than this one, that sends below this topic's folder; null if none does.
+const std::string* find_sender(const std::map<std::string, std::string>& sensor_of_folder, std::string_view topic,
+                               std::string_view except = {}) {
+  const auto below = std::ranges::find_if(
+      sensor_of_folder, [&](const auto& each) { return each.second != except && is_below(topic, each.first); });
   return below == sensor_of_folder.end() ? nullptr : &below->second;
 }
 
@@ -113,6 +130,22 @@ void check_command_topics(const BuiltScene& scene, std::string_view node,
                               " of commands belongs to " + owner + ", expected one that the scene does not send");
     }
   }
+}
+
+/// Whether the sensor sends messages of another kind than `what` at a topic below its own folder.
+bool is_taken_by_itself(const BuiltSensor& sensor, const SensorTopics& topics, const std::string& what,
+                        std::string_view topic) {
+  if (!is_below(topic, topics.folder())) return false;
+  const std::string_view own = topic.substr(topics.folder().size() + 1);
+  if (own == what) return false;
+  const auto is_sent = [&](const std::string& kind) {
+    return (own == kind || is_below(own, kind)) && !topics.named().contains(kind);
+  };
+  return std::ranges::any_of(kViews, [&](std::string_view view) {
+    const std::string folder(view);
+    return std::ranges::any_of(kKinds, [&](std::string_view kind) { return is_sent(folder + std::string(kind)); }) ||
+           std::ranges::any_of(sensor.outputs, [&](const OutputSpec& each) { return is_sent(folder + each.name); });
+  });
 }
 
 }  // namespace
@@ -148,7 +181,8 @@ void check_topics(const BuiltScene& scene, std::string_view node) {
     const SensorTopics topics(sensor);
     for (const auto& [what, topic] : topics.named()) {
       const auto [known, is_new] = user_of_topic.emplace(topic, "the sensor " + in_quotes(sensor.name));
-      const std::string* const sender = find_sender(sensor_of_folder, topic);
+      const bool is_twice = is_taken_by_itself(sensor, topics, what, topic);
+      const std::string* const sender = is_twice ? &sensor.name : find_sender(sensor_of_folder, topic, sensor.name);
       if (is_new && sender == nullptr && !is_own(topic, node)) continue;
       const std::string other = !is_new             ? known->second
                                 : sender == nullptr ? std::string(kSimulation)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <simvis/simulation.h>
 #include "tests/support/error_of.h"
@@ -68,6 +69,25 @@ TEST_CASE("a camera looks along -z of its frame, with y upwards") {
     if (y < 4) CHECK(seen == doctest::Approx(2).epsilon(1e-6));
     if (y >= 4) CHECK(std::isinf(seen));
   }
+}
+
+TEST_CASE("each camera is a sensor, whatever characters its name has") {
+  MjcfScene scene(
+      "<worldbody><camera name='a.b'/><camera name='a_b'/><camera name='/eye'/><camera name='c//d'/>"
+      "<camera name='arm/'/><camera name='/'/></worldbody>");
+  std::vector<std::string> names;
+  for (const BuiltSensor& each : scene.built().sensors) names.push_back(each.name);
+  CHECK(names == std::vector<std::string>{"a_b", "a_b_2", "eye", "c/d", "arm", "sensor"});
+}
+
+TEST_CASE("a value that the sensor does not take leaves out its camera alone") {
+  MjcfScene scene(
+      "<worldbody><camera name='wide' sensorsize='1 1' resolution='8 8' focalpixel='1e-20 1e-20'/>"
+      "<camera name='other'/></worldbody>");
+  REQUIRE(scene.built().sensors.size() == 1);
+  CHECK(scene.built().sensors[0].name == "other");
+  REQUIRE(scene.warnings().size() == 1);
+  CHECK(contains(scene.warnings()[0], "the sensor \"wide\" is left out"));
 }
 
 TEST_CASE("cameras that no pinhole shows are left out with a warning, and modes are reported") {

@@ -2,12 +2,16 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include <simvis/attributes.h>
 #include <simvis/simulation.h>
 #include "exchange/messages/types/geometry_types.h"
 #include "exchange/messages/types/sensor_types.h"
+#include "simvis/ros/sensor_topics.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/urdf_scene.h"
@@ -35,6 +39,12 @@ const std::string kScan =
 const std::string kCamera =
     "<update_rate>30</update_rate><camera><horizontal_fov>1.0</horizontal_fov><image><width>32</width>"
     "<height>24</height></image><clip><near>0.02</near></clip></camera>";
+
+/// A plug-in of the robot that is a sensor of scan_link by itself.
+std::string own_plugin(const std::string& file, const std::string& content) {
+  return "<gazebo><plugin name=\"p\" filename=\"" + file + "\"><bodyName>scan_link</bodyName>" + content +
+         "</plugin></gazebo>";
+}
 
 /// An attribute of a sensor as written; empty: it has none.
 std::string attribute_of(UrdfScene& scene, const std::string& name, const std::string& attribute) {
@@ -128,10 +138,23 @@ TEST_CASE("plug-ins name topics and frames") {
               "<ros><namespace>bot</namespace><remapping>cam/image_raw:=picture</remapping></ros>"
               "<camera_name>cam</camera_name>"),
        "camera_info:=/bot/cam/camera_info depth/image_raw:=/bot/cam/depth/image_raw "
-       "depth/camera_info:=/bot/cam/depth/camera_info points:=/bot/cam/points image_raw:=/bot/picture",
+       "depth/camera_info:=/bot/cam/depth/camera_info image_raw:=/bot/picture",
        ""},
+      // Topics that the sensor has by its name, and others below it.
+      {"camera", plugin("camera", "<ros/>"), "", ""},
+      {"camera", plugin("camera", "<cameraName>own</cameraName><imageTopicName>rgb/image</imageTopicName>"),
+       "image_raw:=/own/rgb/image", ""},
+      {"depth", plugin("camera", "<ros><remapping>own/points:=own/points</remapping></ros>"), "points:=/own/points",
+       ""},
+      {"lidar", "<topic>own</topic>", "scan:=/own points:=/own/points", ""},
+      // gz-sim
       {"lidar", "<topic>lidar</topic><gz_frame_id>lidar_frame</gz_frame_id>", "scan:=/lidar points:=/lidar/points",
-       "lidar_frame"}};
+       "lidar_frame"},
+      {"camera", "<topic>front</topic>", "image_raw:=/front", ""},
+      {"depth_camera", "<topic>front</topic>", "depth/image_raw:=/front", ""},
+      {"rgbd_camera", "<topic>front</topic>",
+       "image_raw:=/front/image depth/image_raw:=/front/depth_image points:=/front/points", ""},
+      {"segmentation", "<topic>front</topic>", "", ""}};
   for (const Case& each : cases) {
     CAPTURE(each.plugin);
     const std::string content = each.type == "ray" || each.type == "lidar" ? kScan : kCamera;
@@ -139,6 +162,7 @@ TEST_CASE("plug-ins name topics and frames") {
     CHECK(scene.warnings().empty());
     CHECK(attribute_of(scene, "own", "topics") == each.topics);
     CHECK(attribute_of(scene, "own", "frame") == each.frame);
+    CHECK_NOTHROW(check_topics(scene.built(), "/simvis"));
   }
   UrdfScene kinect(kLinks + gazebo("scan_link", sensor("depth", "own", kCamera + plugin("openni_kinect", ""))));
   CHECK(attribute_of(kinect, "own", "outputs") == "color depth");
@@ -183,7 +207,39 @@ TEST_CASE("what cannot be taken over is one warning, and the rest is there") {
       {gazebo("scan_link", sensor("imu", "i",
                                   "<imu><angular_velocity><x><noise type='gaussian'><stddev>-1</stddev>"
                                   "</noise></x></angular_velocity></imu>")),
-       "the sensor is left out"}};
+       "the sensor is left out"},
+      // Values that the sensor's type does not take.
+      {own_plugin("libhector_gazebo_ros_gps.so", "<referenceLatitude>91</referenceLatitude>"),
+       "\"latitude\": 91 is not allowed"},
+      {own_plugin("libgazebo_ros_imu.so", "<accelGaussianNoise>-1</accelGaussianNoise>"), "\"p\" is left out"},
+      {own_plugin("libgazebo_ros_imu.so", "<updateRate>inf</updateRate>"), "\"p\" is left out"},
+      // What would stand elsewhere.
+      {own_plugin("libgazebo_ros_imu.so", "<xyzOffset>0 0 1</xyzOffset>"), "moves the sensor"},
+      {gazebo("scan_link", sensor("imu", "i", "<pose relative_to='base'>0 0 0 0 0 0</pose>")),
+       "has a <pose> relative to \"base\""},
+      // What has no counterpart.
+      {own_plugin("libgazebo_ros_imu.so", "<referenceLatitude>4</referenceLatitude>"),
+       "element <referenceLatitude> of a plug-in is not taken over"},
+      {own_plugin("libhector_gazebo_ros_gps.so", "<velocityTopicName>v</velocityTopicName>"),
+       "element <velocityTopicName> of a plug-in is not taken over"},
+      {gazebo("scan_link",
+              sensor("camera", "c", kCamera + plugin("camera", "<ros><remapping>two words:=/a</remapping></ros>"))),
+       "a <remapping> of a message that the sensor does not send"},
+      {gazebo("scan_link",
+              sensor("camera", "c", kCamera + plugin("camera", "<ros><remapping>*:=/a</remapping></ros>"))),
+       "a <remapping> of a message that the sensor does not send"},
+      {gazebo("scan_link", sensor("camera", "c",
+                                  kCamera + plugin("camera",
+                                                   "<cameraName>x</cameraName>"
+                                                   "<frameName>camera_optical_frame</frameName>"))),
+       "an optical frame of a camera"},
+      // Names of others.
+      {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<topicName>other/scan</topicName>"))),
+       "the topic \"/other/scan\" of the sensor \"s\" belongs to another"},
+      {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<frameName>other</frameName>"))),
+       "the frame \"other\" of the sensor \"s\" belongs to another"},
+      {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<frameName>ROBOT</frameName>"))),
+       "the frame \"ROBOT\" of the sensor \"s\" belongs to another"}};
   for (const Case& each : cases) {
     CAPTURE(each.content);
     UrdfScene scene(kLinks + each.content + gazebo("base", sensor("imu", "other", "")));
@@ -197,6 +253,46 @@ TEST_CASE("what cannot be taken over is one warning, and the rest is there") {
   REQUIRE(twice.warnings().size() == 1);
   CHECK(attribute_of(twice, "a", "topics") == "scan:=/scan");
   CHECK(attribute_of(twice, "b", "topics").empty());
+}
+
+TEST_CASE("a magnetometer of hector_gazebo_plugins has the field of its declination and inclination") {
+  UrdfScene scene(kLinks + own_plugin("libhector_gazebo_ros_magnetic.so",
+                                      "<referenceHeading>90</referenceHeading><declination>0</declination>"
+                                      "<inclination>30</inclination><magnitude>2</magnitude>"));
+  CHECK(scene.warnings().empty());
+  const std::string field = attribute_of(scene, "p", "field");
+  std::array<double, 3> values{};
+  REQUIRE(parse_numbers(field, values));
+  constexpr double kRounding = 1e-15;  // some operations in double on numbers up to 2
+  CHECK(std::abs(values[0]) <= kRounding);
+  CHECK(std::abs(values[1] - std::sqrt(3.0)) <= kRounding);  // 2 cos 30
+  CHECK(std::abs(values[2] + 1) <= kRounding);               // -2 sin 30
+}
+
+TEST_CASE("an IMU of a file gives its orientation unless the file says no") {
+  for (const bool is_on : {true, false}) {
+    CAPTURE(is_on);
+    const std::string content = is_on ? "" : "<imu><enable_orientation>false</enable_orientation></imu>";
+    UrdfScene scene(kLinks + gazebo("scan_link", sensor("imu", "i", content)));
+    CHECK(attribute_of(scene, "i", "orientation") == (is_on ? "on" : ""));
+  }
+}
+
+TEST_CASE("a scene's own sensor takes the place of one that the file declares under its name") {
+  const std::string own = "<sensor type='imu' name='lidar' insert_at='scan_link'/>";
+  UrdfScene after(kLinks + gazebo("scan_link", sensor("ray", "lidar", kScan)), own);
+  REQUIRE(after.built().sensors.size() == 1);
+  CHECK(attribute_of(after, "lidar", "type") == "imu");
+  REQUIRE(after.warnings().size() == 1);
+  CHECK(contains(after.warnings()[0], "the scene has a sensor \"lidar\" of its own; the file's is left out"));
+  // In front of the part too, which keeps its names.
+  const TemporaryFolder folder;
+  write_text(folder / "r.urdf", robot(kLinks + gazebo("scan_link", sensor("ray", "lidar", kScan))));
+  const BuiltScene before = build_scene(parse_commands(
+      "<sensor type='imu' name='lidar' insert_at='ROOT'/><part file='r.urdf' name='R' insert_at='ROOT'/>", "s.xml",
+      folder.path()));
+  CHECK(before.sensors.size() == 1);
+  CHECK(before.scene.has_insertion_point("scan_link"));
 }
 
 TEST_CASE("a scan has the topic and the frame of its file, and two robots of one file have their own") {

@@ -242,6 +242,34 @@ const char* const kMjcfArm =
 
 }  // namespace
 
+TEST_CASE("offsets of a USD camera's aperture move its principal point") {
+  const UsdPython python;
+  const TemporaryFolder folder;
+  const auto scene = [&](const std::string& offsets) {
+    write_text(folder / "c.usda",
+               "#usda 1.0\n( upAxis = \"Z\" )\ndef Xform \"Robot\" {\n def Camera \"Eye\" {\n"
+               "float focalLength = 20\nfloat horizontalAperture = 20\n"
+               "float verticalAperture = 15.01\n" +
+                   offsets + " }\n def Cube \"Body\" {}\n}\n");
+    return usd_scene(folder, "c.usda");
+  };
+  const BuiltScene moved = scene("float horizontalApertureOffset = 2\nfloat verticalApertureOffset = 1\n");
+  REQUIRE(moved.sensors.size() == 1);
+  // 640 pixels on 20 units: 32 for each, and rows for 15.01 units, which are 480.32. The window is moved to the right
+  // and upwards, and so the axis in the image to the left and down. Centres of pixels stand at whole numbers.
+  const auto number = [&](const char* name) { return std::stod(moved.sensors[0].command.require(name).value); };
+  constexpr double kRounding_px = 1e-9;
+  CHECK(number("height") == 480);
+  CHECK(std::abs(number("fx") - 640) <= kRounding_px);
+  CHECK(std::abs(number("fy") - 640) <= kRounding_px);
+  CHECK(std::abs(number("cx") - (320 - 2 * 32 - 0.5)) <= kRounding_px);
+  CHECK(std::abs(number("cy") - (240 + 1 * 32 - 0.5)) <= kRounding_px);
+  const BuiltScene wrong = scene("float horizontalApertureOffset = nan\n");
+  CHECK(wrong.sensors.empty());
+  REQUIRE(wrong.scene.warnings().size() == 1);
+  CHECK(contains(wrong.scene.warnings()[0], "has an offset of its aperture that is not finite"));
+}
+
 TEST_CASE("rays and pictures of a USD stage are those of the same scene as glTF") {
   if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
   const UsdPython python;

@@ -15,6 +15,7 @@
 #include "exchange/messages/from_scan.h"
 #include "exchange/packets/driver_clouds.h"
 #include "tests/messages/recorded_frame.h"
+#include "tests/support/error_of.h"
 #include "tests/support/made_up_scan.h"
 
 TEST_SUITE_BEGIN("messages");
@@ -330,6 +331,31 @@ TEST_CASE("clouds of depth cameras come on request: by a pattern, or by a name i
   CHECK(clouds[0].is_dense);
   CHECK(clouds[0].height == 1);
   CHECK(clouds[0].width == static_cast<std::uint32_t>(seen));
+}
+
+TEST_CASE("a driver's layout is refused for a scan whose rings or times do not fit into its fields") {
+  const auto error = [](const std::string& layout, const std::string& more) {
+    return error_of([&] {
+      recorded_frame("<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='2' layout='" + layout + "' " +
+                     more + "/>");
+    });
+  };
+  struct Case {
+    std::string layout, fits, wrong, expected;
+  };
+  // 32 bits of nanoseconds, 8 and 16 bits of rings.
+  const std::vector<Case> cases = {{"ouster", "sweep='4'", "sweep='4.1'", "expected at most 4 s"},
+                                   {"livox", "sweep='4'", "sweep='4.1'", "expected at most 4 s"},
+                                   {"velodyne", "sweep='5'", "vertical_samples='65537'", "expected at most 65536"},
+                                   {"ouster", "vertical_samples='257'", "vertical_samples='65537'", "at most 65536"},
+                                   {"livox", "vertical_samples='256'", "vertical_samples='257'", "at most 256"}};
+  for (const Case& each : cases) {
+    CAPTURE(each.layout);
+    CAPTURE(each.wrong);
+    CHECK(error(each.layout, each.fits) == "nothing was thrown");
+    CHECK(contains(error(each.layout, each.wrong), each.expected));
+    CHECK(error("simvis", each.wrong) == "nothing was thrown");
+  }
 }
 
 TEST_CASE("layout and dense choose the messages of a scanner") {

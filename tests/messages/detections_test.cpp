@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "exchange/messages/types/geometry_types.h"
 #include "exchange/messages/types/sensor_types.h"
 #include "exchange/messages/types/vision_types.h"
 #include "tests/messages/recorded_frame.h"
@@ -94,6 +95,27 @@ TEST_CASE("each view of a stereo camera has detections of its own") {
     CHECK(in_image[0].detections[0].bbox.center.position.x == 31.5 - (view == "left" ? 0 : 4));
     REQUIRE(in_space[0].detections.size() == 1);
     CHECK(std::abs(in_space[0].detections[0].bbox.center.position.x + (view == "left" ? 0 : 0.25)) <= 1e-12);
+  }
+}
+
+TEST_CASE("the optical frame of detections is a frame of /tf, without an image too") {
+  for (const std::string outputs : {"boxes", "color boxes"}) {
+    CAPTURE(outputs);
+    const McapFile file = recorded_frame(kLabelledPlate +
+                                             "<sensor type='camera' name='CAM' insert_at='ROOT' width='64' "
+                                             "height='48' hfov='90' outputs='" +
+                                             outputs + "'/>",
+                                         {"/CAM/*", "/tf_static"});
+    const auto found = file.all<Detection2DArray>("/CAM/detections");
+    REQUIRE(found.size() == 1);
+    std::size_t optical = 0;
+    for (const ros::TFMessage& message : file.all<ros::TFMessage>("/tf_static")) {
+      for (const ros::TransformStamped& each : message.transforms) {
+        if (each.child_frame_id == found[0].header.frame_id) ++optical;
+      }
+    }
+    CHECK(optical == 1);
+    CHECK(file.counts().count("/CAM/camera_info") == (outputs == "boxes" ? 0 : 1));
   }
 }
 

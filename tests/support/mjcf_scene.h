@@ -34,6 +34,7 @@ class MjcfScene {
     built_.scene.read_pictures();  // as a camera does
     flattener_ = std::make_unique<Flattener>(built_.scene.root());
   }
+  const BuiltScene& built() const { return built_; }
   const DrawList& list() { return flattener_->update(); }
   glm::dmat4 place(std::size_t item) {
     const DrawList& drawn = list();

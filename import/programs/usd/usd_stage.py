@@ -196,11 +196,13 @@ class Stage:
         rows = max(1, round(640 * high / wide))
         across = camera.GetHorizontalApertureOffsetAttr().Get(self.time) or 0
         up = camera.GetVerticalApertureOffsetAttr().Get(self.time) or 0
+        if not math.isfinite(across + up):
+            return self.warn("camera", name, "has an offset of its aperture that is not finite; it is left out")
         lens = ""
         if across or up:  # the aperture is moved, and the optical axis in the picture the other way
             focal = 640 * length / wide
             lens = (f' distortion="brown_conrady" fx="{focal!r}" fy="{focal!r}" cx="{640 * (0.5 - across / wide) - 0.5!r}" '
-                    f'cy="{rows * (0.5 + up / high) - 0.5!r}"')
+                    f'cy="{rows / 2 + focal * up / length - 0.5!r}"')
         self.commands.append(
             f'<sensor type="camera" name="{point}" insert_at="{point}" width="640" height="{rows}" '
             f'hfov="{hfov!r}" near="{max(near, 1e-6)!r}"{lens}/>'
