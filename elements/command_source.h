@@ -52,7 +52,10 @@ struct JointPath {
   };
   std::vector<std::string> names;
   std::int64_t start_ns = 0;  ///< simulated time
-  void archive(StateArchive& state) { state(names, start_ns, points); }
+  void archive(StateArchive& state) {
+    state(names, start_ns, points);
+    state.require(start_ns >= 0);
+  }
   std::vector<Point> points;  ///< empty: the motion that is under way ends, and the joints stay where they are
 };
 

@@ -70,7 +70,7 @@ void archive_measurement(StateArchive& state, Measurement& measurement) {
   state.count(arrays, 1);
   state.require(arrays == measurement.arrays.size());
   for (MeasuredArray& each : measurement.arrays) archive_array(state, each);
-  state.count(constants, 1);
+  state.count(constants, 2 * sizeof(double));
   measurement.constants.resize(constants);
   for (NamedValue& each : measurement.constants) {
     std::string name(each.name);

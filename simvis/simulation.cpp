@@ -379,4 +379,9 @@ const BuiltScene& built_scene(const Simulation& simulation) { return simulation.
 
 void read_all_content(Simulation& simulation) { simulation.impl()->idle().reads_all = true; }
 
+std::uint64_t frames_until(const Simulation& simulation, std::int64_t end_ns) {
+  const SimulationUse use = simulation.impl();
+  return use->timeline.frames_until(end_ns, use->sensors.rates());
+}
+
 }  // namespace simvis

@@ -1,6 +1,8 @@
 // The state of a simulation between two frames, as bytes.
 #include <algorithm>
 #include <cstring>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,13 +66,15 @@ std::string_view content_of(std::string_view bytes) {
 
 void archive_frame(StateArchive& state, FrameTime& frame) {
   state(frame.index, frame.time_ns, frame.period_ns, frame.when_due);
+  state.require(frame.time_ns >= 0 && frame.period_ns >= 0);
 }
 
 std::uint64_t hash_of(const SimulationDesc& desc) {
   std::uint64_t hash = fnv1a_step(fnv1a(&desc.rate_hz, sizeof desc.rate_hz), desc.seed);
   hash = fnv1a_step(fnv1a_step(hash, desc.frames_when_due ? 1 : 0), desc.elements_move ? 1 : 0);
   for (const AttributeOverride& each : desc.overrides) {
-    hash = fnv1a_step(hash, fnv1a(each.sensor_type + "." + each.attribute + "=" + each.value.value_or("")));
+    const std::string value = each.value ? "=" + *each.value : "";  // none: the attribute is removed
+    hash = fnv1a_step(hash, fnv1a(each.sensor_type + "." + each.attribute + value));
   }
   return hash;
 }
@@ -87,6 +91,19 @@ void archive_commands(StateArchive& state, const std::vector<std::string>& comma
   throw InputError("the state is of another scene: command " + std::to_string(first + 1) +
                    (first < commands.size() ? " here is " + commands[first] : " is missing here") +
                    ", expected a scene of the same commands and requests in the same order");
+}
+
+void archive_scene(StateArchive& state, const SimulationDesc& desc, const std::vector<std::string>& commands) {
+  state.object("the scene", [&] {
+    std::uint64_t settings = hash_of(desc);
+    state(settings);
+    if (settings != hash_of(desc)) {
+      throw InputError(
+          "the state is of a simulation with another seed, rate or override of attributes, expected the "
+          "same settings");
+    }
+    archive_commands(state, commands);
+  });
 }
 
 void update_all(BuiltScene& built) {
@@ -111,39 +128,49 @@ std::string SimulationImpl::save_state() {
                      " cannot be saved: " + why);
   }
   StateArchive state;
+  archive_scene(state, desc, scene.built.parameters.changes());
   archive(state);
   return to_saved_state(state.bytes());
 }
 
-// All or nothing: what has been read in part is replaced by what was there. What a sensor has that cannot be saved, it
-// keeps in both cases.
+// All or nothing: what has been read in part is replaced by what was there.
 void SimulationImpl::restore_state(std::string_view bytes) {
   finish();
   measure_skipped();
-  const std::string_view content = content_of(bytes);
+  StateArchive state(content_of(bytes));
+  archive_scene(state, desc, scene.built.parameters.changes());
   StateArchive present;
+  present.keep_all();
   archive(present);
   try {
-    StateArchive state(content);
     archive(state);
   } catch (...) {
     StateArchive before(present.bytes());
+    before.keep_all();
     archive(before);
-    throw;
+    try {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw InputError("the state needs more memory than there is, expected one of this scene");
+    } catch (const std::length_error&) {
+      throw InputError("the state has a number of values that is not possible, expected one of this scene");
+    }
   }
+  leave_present();
+}
+
+// What is no part of a state ends with it.
+void SimulationImpl::leave_present() {
+  for (std::size_t i = 0; i < sensors.all.size(); ++i) {
+    const BuiltSensor& sensor = scene.built.sensors[i];
+    if (sensor.delayed != nullptr) sensors.all[i].measurement.reset();
+    auto* const own = dynamic_cast<Stateful*>(sensor.sensor.get());
+    if (own != nullptr && !own->unsaved().empty()) own->forget();
+  }
+  sensors.begin_frame();
 }
 
 void SimulationImpl::archive(StateArchive& state) {
-  state.object("the scene", [&] {
-    std::uint64_t settings = hash_of(desc);
-    state(settings);
-    if (settings != hash_of(desc)) {
-      throw InputError(
-          "the state is of a simulation with another seed, rate or override of attributes, expected the "
-          "same settings");
-    }
-    archive_commands(state, scene.built.parameters.changes());
-  });
   state.object("the clock", [&] {
     timeline.archive(state);
     archive_frame(state, frame);
@@ -152,6 +179,7 @@ void SimulationImpl::archive(StateArchive& state) {
     if (!has_made) made.reset();
     if (has_made && !made) made.emplace();
     if (made) archive_frame(state, *made);
+    state.require(moved_to_ns >= 0);
   });
   // Physics measures what sensors that are on need.
   state.object("the switches of sensors", [&] {
@@ -161,6 +189,7 @@ void SimulationImpl::archive(StateArchive& state) {
       if (enabled != sensors.all[i].enabled) enable(scene.built.sensors[i].name, enabled);
     }
   });
+  if (state.is_reading() && !state.keeps_all()) state.set_frames(timeline.last_ns(), next_frame().time_ns);
   archive_elements(state);
   archive_sensors(state);
 }
@@ -183,11 +212,9 @@ void SimulationImpl::archive_sensors(StateArchive& state) {
     state.object("sensor " + in_quotes(sensor.name), [&] {
       state(own.frames, own.world_from_sensor);
       if (unsaved_state(*sensor.sensor).empty()) archive_state(state, *sensor.sensor);
-      if (state.is_reading() && sensor.delayed != nullptr) own.measurement.reset();
     });
   }
   state.object("the motion that sensors follow", [&] { sensed.archive(state); });
-  if (state.is_reading()) sensors.begin_frame();
 }
 
 }  // namespace simvis

@@ -38,13 +38,20 @@ class AutoExposure : public CameraEffect, public Stateful {
 
   void post_process(const FrameTime& time, const CameraLayout&, Image& color) const override;
   bool remembers() const override { return true; }
-  void archive(StateArchive& state) override { state(before_, last_); }
+  void archive(StateArchive& state) override {
+    state(before_, last_);
+    state.require(before_.time_ns < last_.time_ns || before_.time_ns < 0);
+  }
 
  private:
   struct Metered {
     std::int64_t time_ns = -1;  // -1: there was no image
     double exposure = 1, mean = 0;
-    void archive(StateArchive& state) { state(time_ns, exposure, mean); }
+    void archive(StateArchive& state) {
+      state(time_ns);
+      if (time_ns != -1) state.require_past(time_ns);
+      state.finite(exposure, mean);
+    }
   };
   ExposureControl control_;
   mutable Metered before_, last_;  // an image whose time is not after the last one repeats it

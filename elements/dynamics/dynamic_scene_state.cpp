@@ -11,14 +11,25 @@ namespace simvis {
 
 // What has been removed would leave the world at the next advance(), before anything else happens to it.
 void DynamicScene::archive(StateArchive& state) {
+  if (!state.is_reading() && !state.keeps_all() && !failure_.empty()) state.refuse(failure_);
   if (world_ != nullptr) leave();
   archive_objects(state);
   state(last_ns_, left_ns_, advanced_to_ns_, steps_, runs_, restarts_, failure_);
+  state.require(failure_.empty());
+  state.require_past(last_ns_);
+  state.require(left_ns_ >= 0);
+  // No years of steps: more than one are left only of a frame that was interrupted.
+  state.require(world_ == nullptr ||
+                (last_ns_ >= state.last_ns() && left_ns_ <= step_ns_ + (last_ns_ - state.last_ns())));
+  state.require(!advanced_to_ns_ || *advanced_to_ns_ == last_ns_);
   attachments_.archive(state);
   archive_followed(state);
-  if (!state.is_reading()) return;
-  wrenches_.forget_bodies();
-  pulls_.clear();
+  if (state.is_reading()) wrenches_.forget_bodies();
+  if (state.keeps_all()) {
+    state(pulls_);
+  } else if (state.is_reading()) {
+    pulls_.clear();
+  }
 }
 
 // Objects that stand in the world by other ids than those of the state enter it anew, in the order of these.
@@ -57,12 +68,14 @@ void DynamicScene::make_world_as(StateArchive& state, const std::vector<std::opt
     object->id = object->enter(*world_, glm::dmat4(1));
     entered_.emplace(id, object);
   }
-  const auto leave_later = [&](auto& all, std::size_t first) {
-    state.require(first <= all.size());
+  const auto may_join = [](const auto& all, std::size_t count) {
+    const auto has_entered = [](const auto& each) { return each.a->id && (each.b == nullptr || each.b->id); };
+    return count <= all.size() &&
+           std::all_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), has_entered);
+  };
+  state.require(may_join(new_constraints_, constraints) && may_join(new_pairs_, pairs));
+  const auto leave_later = [](auto& all, std::size_t first) {
     const auto later = all.begin() + static_cast<std::ptrdiff_t>(first);
-    state.require(std::all_of(all.begin(), later, [](const auto& each) {
-      return each.a->id.has_value() && (each.b == nullptr || each.b->id.has_value());
-    }));
     std::decay_t<decltype(all)> left(later, all.end());
     all.erase(later, all.end());
     return left;

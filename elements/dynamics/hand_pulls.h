@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 
+#include <simvis/state_archive.h>
 #include "elements/dynamics/drawn_bodies.h"
 #include "elements/dynamics/world/world.h"
 #include "elements/sensed_physics.h"
@@ -19,6 +20,7 @@ class HandPulls {
   void release(std::uint64_t puller) { pulls_.erase(puller); }
   void remove_body(std::size_t id);
   void clear() { pulls_.clear(); }
+  void archive(StateArchive& state) { state(pulls_); }
   /// Before each step. The springs at one body or articulation share the strength of one: together they are not
   /// stiffer, so that a step of any length bears as many of them as one.
   void act(DynamicsWorld& world) const;
@@ -29,6 +31,7 @@ class HandPulls {
     glm::dvec3 link_m{0}, target_m{0};
     double mass_kg = 0;  // of the whole element
     double reach_m = 0;  // the farthest from the centre of mass that it acts
+    void archive(StateArchive& state) { state(link, link_m, target_m, mass_kg, reach_m); }
   };
   std::map<std::uint64_t, Pull> pulls_;  // by puller
 };

@@ -1,11 +1,14 @@
 #include <simvis/state_archive.h>
 
+#include <bit>
 #include <cstring>
 #include <utility>
 
 #include <simvis/error.h>
 
 namespace simvis {
+
+static_assert(std::endian::native == std::endian::little);  // numbers are copied
 
 void StateArchive::refuse(const std::string& why) const {
   const std::string object = open_.empty() ? "the simulation" : open_.back();

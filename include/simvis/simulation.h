@@ -206,11 +206,12 @@ class SIMVIS_API Simulation {
   /// and the same commands, those of execute() included. What sensors have measured is no part of it, except for
   /// measurements that are still under way; nor are outlets, pulls of pointers, and what visualization elements have
   /// drawn. The bytes may be kept in a file. Throws InputError naming an enabled sensor whose state cannot be saved: a
-  /// scanner of method "auto", a visualization camera, an event camera, a camera with flow.
+  /// scanner of method "auto", a visualization camera, an event camera, a camera with flow; or if a body has exploded.
   std::string save_state();
   /// Goes on from a state of save_state(), any number of times. It begins with finish(). Sensors keep what they have
-  /// measured last until they measure again; measured() is empty. All or nothing: throws InputError and changes nothing
-  /// if the bytes are cut off, damaged, of another version, or of another scene.
+  /// measured last until they measure again; measured() is empty. One whose state cannot be saved begins anew. All or
+  /// nothing: changes nothing and throws InputError if the bytes are cut off, damaged, of another version or of another
+  /// scene; MachineError if a sensor is on in the state that draws, and no device fits.
   void restore_state(std::string_view state);
 
   /// The time of the frame that the next step makes.
@@ -284,6 +285,7 @@ class SIMVIS_API Simulation {
   SimulationUse impl() const;
   friend const BuiltScene& built_scene(const Simulation& simulation);
   friend void read_all_content(Simulation& simulation);
+  friend std::uint64_t frames_until(const Simulation& simulation, std::int64_t end_ns);
   std::unique_ptr<SimulationImpl> impl_;
 };
 

@@ -2,7 +2,9 @@
 // cannot differ.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +35,10 @@ class SIMVIS_API StateArchive {
   /// Reads these bytes, which must outlive it.
   explicit StateArchive(std::string_view bytes) : is_reading_(true), unread_(bytes) {}
 
+  /// For a state that goes back to the objects that it is of: require() takes all values, and it has also what saved
+  /// states leave out.
+  void keep_all() { keeps_all_ = true; }
+  bool keeps_all() const { return keeps_all_; }          ///< whether keep_all() was called
   bool is_reading() const { return is_reading_; }        ///< whether values are read
   const std::string& bytes() const { return written_; }  ///< what was written
 
@@ -50,21 +56,45 @@ class SIMVIS_API StateArchive {
     require(number <= static_cast<std::uint32_t>(last));
     value = static_cast<Enum>(number);
   }
+  /// Values of double, vectors and matrices of them, which must be finite, also when they are written.
+  template <typename... Values>
+  void finite(Values&... values) {
+    (finite_value(values), ...);
+  }
   /// The number of values that follow, of at least `size` bytes each: no more than there are bytes left.
   void count(std::size_t& values, std::size_t size);
   /// Calls `members` for what belongs to one object, whose title errors name: `element "BALL"`. It must read as many
   /// bytes as it wrote.
   void object(std::string_view title, const std::function<void()>& members);
 
-  /// Throws InputError, naming the object, unless the value that was read is one that the object takes.
+  /// Throws InputError, naming the object, unless the value is one that the object takes.
   void require(bool is_taken) const {
-    if (!is_taken) refuse("it holds a value that is not possible there");
+    if (!is_taken && !keeps_all_) refuse("it holds a value that is not possible there");
   }
+  /// Notes the times of the last frame and of the next one, between which the state stands.
+  void set_frames(std::int64_t last_ns, std::int64_t next_ns) {
+    last_ns_ = last_ns;
+    next_ns_ = next_ns;
+  }
+  std::int64_t last_ns() const { return last_ns_; }  ///< simulated time of the last frame; 0: there is none
+  /// As require(), of a time at which something was measured: a frame that failed has the time of the next one.
+  void require_past(std::int64_t time_ns) const { require(!is_reading_ || (time_ns >= 0 && time_ns <= next_ns_)); }
   /// Throws InputError: "the state does not fit OBJECT: WHY", or "the state of OBJECT cannot be saved: WHY".
   [[noreturn]] void refuse(const std::string& why) const;
 
  private:
   void raw(void* data, std::size_t size);
+  static const double* first_of(const double& number) { return &number; }
+  template <typename T>
+  static const double* first_of(const T& numbers) {
+    return glm::value_ptr(numbers);
+  }
+  template <typename T>
+  void finite_value(T& numbers) {
+    value(numbers);
+    const double* const first = first_of(numbers);
+    require(std::all_of(first, first + sizeof(T) / sizeof(double), [](double each) { return std::isfinite(each); }));
+  }
 
   template <typename T>
   void value(T& each) {
@@ -90,11 +120,12 @@ class SIMVIS_API StateArchive {
     std::size_t size = all.size();
     constexpr bool kIsNumber = std::is_arithmetic_v<T>;
     count(size, kIsNumber ? sizeof(T) : 1);
-    all.resize(size);
     if constexpr (kIsNumber) {
+      all.resize(size);
       raw(all.data(), size * sizeof(T));
-    } else {
-      for (T& each : all) value(each);
+    } else {  // one by one: memory follows what is there, not its number
+      if (all.size() > size) all.resize(size);
+      for (std::size_t i = 0; i < size; ++i) value(i < all.size() ? all[i] : all.emplace_back());
     }
   }
   template <typename T, std::size_t size>
@@ -139,7 +170,8 @@ class SIMVIS_API StateArchive {
     raw(glm::value_ptr(turn), sizeof turn);
   }
 
-  bool is_reading_ = false;
+  bool is_reading_ = false, keeps_all_ = false;
+  std::int64_t last_ns_ = 0, next_ns_ = 0;
   std::string written_;
   std::string_view unread_;
   std::vector<std::string> open_;  // titles of the objects that are under way, the innermost one last
@@ -156,6 +188,9 @@ class SIMVIS_API Stateful {
   /// Why the state cannot be saved, with what is expected: "method auto follows from earlier frames, expected another
   /// method". Empty: it can.
   virtual std::string unsaved() const { return {}; }
+  /// Forgets earlier frames: the next measurement is a first one. Called in place of archive() when a state has been
+  /// restored, if unsaved() says why there is none of this object.
+  virtual void forget() {}
 };
 
 }  // namespace simvis

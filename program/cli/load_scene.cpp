@@ -13,9 +13,9 @@
 #include "engine/base/thread_pool.h"
 #include "program/cli/signals.h"
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/built_scene.h"
 #include "simvis/ros/node_name.h"
 #include "simvis/time/clock.h"
-#include "simvis/time/timeline.h"
 
 namespace simvis {
 namespace {
@@ -183,15 +183,8 @@ std::optional<Trajectory> read_trajectory(const Options& options, Simulation& si
   return trajectory;
 }
 
-std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, const Simulation& simulation) {
-  std::vector<double> rates;
-  for (const SensorInfo& sensor : simulation.sensors()) {
-    if (sensor.enabled && sensor.rate_hz > 0) rates.push_back(sensor.rate_hz);
-  }
-  const Timeline timeline(options.simulation.rate_hz, options.simulation.frames_when_due);
-  const std::uint64_t all = timeline.frames_until(std::llround(trajectory.end_s() * 1e9), rates),
-                      made = simulation.next_frame().index;  // of a restored state
-  return all > made ? all - made : 1;
+std::uint64_t frames_of(const Trajectory& trajectory, const Simulation& simulation) {
+  return frames_until(simulation, std::llround(trajectory.end_s() * 1e9));
 }
 
 }  // namespace simvis

@@ -93,7 +93,7 @@ int run_scene(Options options, std::int64_t start_ns) {
   warnings.print_new(simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
   warnings.print_new(simulation);
-  if (trajectory && !options.names_frames) options.frames = frames_of(*trajectory, options, simulation);
+  if (trajectory && !options.names_frames) options.frames = frames_of(*trajectory, simulation);
   if (options.endless) options.frames = std::numeric_limits<std::uint64_t>::max();
   prepare_simulation(options, simulation);
   std::unique_ptr<LiveRun> live;

@@ -505,6 +505,9 @@ void CameraEye::add_to(Measurement& measurement) const {
 
 void CameraEye::archive(StateArchive& state) {
   state(before_, last_);
+  // Of a frame that failed, both are the one before; the next frame comes behind it.
+  state.require(!before_ || (last_ && before_->time_ns <= last_->time_ns));
+  state.require(!before_ || !state.is_reading() || before_->time_ns <= state.last_ns());
   for (const ChosenCameraEffect& each : desc_.effects) {
     if (auto* const own = dynamic_cast<Stateful*>(std::const_pointer_cast<CameraEffect>(each.effect).get())) {
       own->archive(state);
@@ -519,6 +522,12 @@ std::string CameraEye::unsaved() const {
     return "effect " + std::string(each.type->name) + " depends on earlier images, expected none like it";
   }
   return {};
+}
+
+void CameraEye::forget() {
+  before_.reset();
+  last_.reset();
+  if (flow_) flow_->forget();
 }
 
 }  // namespace simvis

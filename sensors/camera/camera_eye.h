@@ -58,6 +58,7 @@ class CameraEye {
   /// As those of Stateful.
   void archive(StateArchive& state);
   std::string unsaved() const;
+  void forget();
 
   /// Views of one kind in the plan of a frame: they fill a pass for each of CameraViews::pass_size_px.
   struct Drawing {
@@ -98,7 +99,11 @@ class CameraEye {
   struct Past {
     std::int64_t time_ns = 0;
     glm::dmat4 world_from_camera{1.0};
-    void archive(StateArchive& state) { state(time_ns, world_from_camera); }
+    void archive(StateArchive& state) {
+      state(time_ns);
+      state.finite(world_from_camera);
+      state.require_past(time_ns);
+    }
   };
   /// A drawing's passes and their results.
   struct Drawn {

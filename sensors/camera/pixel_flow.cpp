@@ -120,6 +120,13 @@ PixelFlow::PixelFlow(const FlowDesc& desc, const CameraLayout& layout, const Cam
           "no flow; expected another effect, or outputs without flow");
 }
 
+void PixelFlow::forget() {
+  history_ = {};
+  backward_.reset();
+  forward_.reset();
+  drawn_.time_ns = drawn_before_.time_ns = skipped_ns_ = seen_ns_ = seen_before_ns_ = kNever;
+}
+
 void PixelFlow::begin(CameraMoment now) {
   history_.add(std::move(now));
   const std::size_t pixels = std::size_t{layout_.width_px} * layout_.height_px;

@@ -67,6 +67,8 @@ class PixelFlow {
     skipped_ns_ = now.time_ns;
     history_.add(std::move(now));
   }
+  /// The next image is a first one.
+  void forget();
   /// Adds the rays of this image, beyond those through the centres of its pixels. `name` is that of the sensor.
   void plan(const std::string& name, bool drawn, FramePlan& plan) const;
 

@@ -93,10 +93,15 @@ EventCamera::EventCamera(std::string name, const EventCameraDesc& desc)
       desc_(desc),
       optics_(name_, camera_layout(desc.pinhole, desc.effects), desc.pinhole.near_m),
       light_(optics_, desc.pinhole.near_m),
-      memory_{.pixels = {desc.model, std::size_t{desc.pinhole.width_px} * desc.pinhole.height_px, desc.seed, name_}},
+      memory_(no_memory()),
       before_(memory_) {
   set_constant("width_px", desc.pinhole.width_px);
   set_constant("height_px", desc.pinhole.height_px);
+}
+
+EventCamera::Memory EventCamera::no_memory() const {
+  const std::size_t pixels = std::size_t{desc_.pinhole.width_px} * desc_.pinhole.height_px;
+  return {.pixels = {desc_.model, pixels, desc_.seed, name_}};
 }
 
 // A frame that was not finished is repeated: it follows the same measurement again.

@@ -25,6 +25,7 @@
 
 #include <simvis/philox.h>
 #include <simvis/reading_sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_optics.h"
 #include "sensors/described_sensor.h"
@@ -47,7 +48,7 @@ struct EventCameraDesc {
   void complete(const SensorContext& context);
 };
 
-class EventCamera : public ReadingSensor {
+class EventCamera : public ReadingSensor, public Stateful {
  public:
   EventCamera(std::string name, const EventCameraDesc& desc);
 
@@ -57,6 +58,9 @@ class EventCamera : public ReadingSensor {
     moves_ = world.item_moves();
     path_ = &world.sensor_path();
   }
+  void archive(StateArchive& /*state*/) override {}  // it is never saved
+  std::string unsaved() const override { return "events depend on earlier frames, expected it to be off"; }
+  void forget() override { memory_ = before_ = no_memory(); }
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
@@ -77,6 +81,7 @@ class EventCamera : public ReadingSensor {
     EventPixels pixels;
     std::vector<PixelEvent> delayed{};  // not sent yet
   };
+  Memory no_memory() const;
   bool is_first() const { return memory_.light.empty(); }
   bool has_changed_otherwise(const DrawList& list) const;
   /// What a thread needs to follow pixels.

@@ -162,12 +162,19 @@ void LaserScanner::archive(StateArchive& state) {
   state(has_before);
   if (!has_before) return context_.before.reset();
   if (!context_.before) context_.before.emplace();
-  state(context_.before->time_ns, context_.before->world_from_sensor);
+  state(context_.before->time_ns);
+  state.require_past(context_.before->time_ns);
+  state.finite(context_.before->world_from_sensor);
 }
 
 std::string LaserScanner::unsaved() const {
   if (desc_.method != ScanMethod::automatic) return {};
   return "method \"auto\" follows from earlier frames, expected another method";
+}
+
+void LaserScanner::forget() {
+  choice_ = {};
+  context_.before.reset();
 }
 
 void LaserScanner::use_cost_model(const std::function<const CostModel&()>& costs) {

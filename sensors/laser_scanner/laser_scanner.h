@@ -118,6 +118,7 @@ class LaserScanner : public Sensor, public Stateful {
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void archive(StateArchive& state) override;
   std::string unsaved() const override;
+  void forget() override;
   void use_cost_model(const std::function<const CostModel&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;

@@ -49,7 +49,11 @@ class OdometrySensor : public ReadingSensor, public Stateful {
     advance(time, world_from_sensor);
   }
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  void archive(StateArchive& state) override { state(world_from_start_, before_, now_); }
+  void archive(StateArchive& state) override {
+    state.finite(world_from_start_);
+    state(before_, now_);
+    state.require(!before_.any || (now_.any && before_.time_ns < now_.time_ns));
+  }
   std::string method() const override { return desc_.wheels ? "wheel" : "ideal"; }
 
  private:
@@ -64,8 +68,10 @@ class OdometrySensor : public ReadingSensor, public Stateful {
     bool any = false;
 
     void archive(StateArchive& state) {
-      state(time_ns, world_from_sensor, start_from_sensor, twist.angular_radps, twist.linear_mps, pose_covariance,
-            velocity_covariance, any);
+      state(time_ns, any);
+      state.require_past(time_ns);
+      state.finite(world_from_sensor, start_from_sensor, twist.angular_radps, twist.linear_mps, pose_covariance,
+                   velocity_covariance);
     }
   };
   void advance(const FrameTime& time, const glm::dmat4& world_from_sensor);

@@ -1,5 +1,6 @@
 #include "sensors/thermal_camera/bolometer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -56,8 +57,11 @@ void Bolometer::archive(StateArchive& state) {
     state(*each);
     for (const std::vector<double>& all : {each->radiance, each->signal}) {
       state.require(all.size() == (each->signal.empty() ? 0 : pixels_));
+      state.require(std::ranges::all_of(all, [](double number) { return std::isfinite(number); }));
     }
+    state.require_past(each->time_ns);
   }
+  state.require(before_.signal.empty() || (!last_.signal.empty() && before_.time_ns < last_.time_ns));
 }
 
 }  // namespace simvis

@@ -112,7 +112,15 @@ void Timeline::go_on(const FrameTime& frame) {
 
 void Timeline::archive(StateArchive& state) {
   state(made_, last_ns_, start_, origin_ns_, stretched_, dt_ns_);
-  state.require(last_ns_ >= 0 && origin_ns_ >= 0 && start_ <= made_ && dt_ns_ >= 0);
+  if (state.is_reading() && !state.keeps_all()) state.require(is_possible());
+}
+
+// Whether the last frame stands where stretch() and go_on() leave it.
+bool Timeline::is_possible() const {
+  if (last_ns_ < 0 || origin_ns_ < 0 || dt_ns_ < 0 || (stretched_ && dt_ns_ == 0)) return false;
+  if (made_ == 0) return last_ns_ == 0 && start_ == 0 && origin_ns_ == 0;
+  if (stretched_) return start_ == made_ && origin_ns_ >= dt_ns_ && last_ns_ == origin_ns_ - dt_ns_;
+  return start_ < made_ && last_ns_ >= origin_ns_ && last_ns_ - origin_ns_ == clock_.frame(made_ - 1 - start_).time_ns;
 }
 
 }  // namespace simvis

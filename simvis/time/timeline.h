@@ -7,7 +7,6 @@
 #include <span>
 
 #include <simvis/state_archive.h>
-#include "engine/base/program_api.h"
 #include "simvis/time/clock.h"
 
 namespace simvis {
@@ -37,14 +36,16 @@ class Timeline {
 
   /// The number of frames that come from now on until `end_ns`, at least 1: the next one counts in any case. Throws
   /// InputError if frames come when sensors are due and there are more than 10 million.
-  SIMVIS_PROGRAM_API std::uint64_t frames_until(std::int64_t end_ns, std::span<const double> rates_hz) const;
+  std::uint64_t frames_until(std::int64_t end_ns, std::span<const double> rates_hz) const;
 
   /// Goes on to the frame after `frame`, which is next().
   void go_on(const FrameTime& frame);
+  std::int64_t last_ns() const { return last_ns_; }  ///< time of the last frame made; 0: there is none
   /// Where it stands. The rate is left out.
   void archive(StateArchive& state);
 
  private:
+  bool is_possible() const;
   std::int64_t time_of_next(std::span<const double> rates_hz) const;
   std::uint64_t clocked_frames_until(std::int64_t end_ns) const;
 

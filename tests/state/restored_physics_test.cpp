@@ -1,8 +1,10 @@
 // States of physics: every kind of body, joint, force and attachment goes on to the bit.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -209,6 +211,16 @@ TEST_CASE("robots go on to the bit with drives, limits and a restart") {
       states.push_back(simulation.save_state());
       frames.push_back(make_frame(simulation, move));
     }
+    if (control == "effort") {  // a frame without a step of physics shows the efforts of the last one
+      constexpr std::chrono::nanoseconds kShort(1000);
+      simulation.restore_state(states[20]);
+      simulation.step(kShort);
+      const std::uint64_t expected = measured_hash(simulation);
+      Simulation another = Simulation::from_string(xml, {}, folder.path());
+      another.restore_state(states[20]);
+      another.step(kShort);
+      CHECK(measured_hash(another) == expected);
+    }
     Random random;
     for (int i = 0; i < 20; ++i) {
       const std::size_t from = random.below(35);
@@ -219,6 +231,66 @@ TEST_CASE("robots go on to the bit with drives, limits and a restart") {
       REQUIRE(std::equal(after.begin(), after.end(), frames.begin() + static_cast<std::ptrdiff_t>(from)));
     }
   }
+}
+
+// Frames and states that follow a state, in a new simulation as in the one that saved it.
+void check_goes_on(const std::function<Simulation()>& load, const Control& control, int before, int after) {
+  Simulation simulation = load();
+  make_frames(simulation, control, before);
+  const std::string state = simulation.save_state();
+  std::vector<MadeFrame> frames;
+  std::vector<std::string> states;
+  for (int i = 0; i < after; ++i) {
+    frames.push_back(make_frame(simulation, control));
+    states.push_back(simulation.save_state());
+  }
+  Simulation fresh = load();
+  for (Simulation* const restored : {&simulation, &fresh}) {
+    restored->restore_state(state);
+    CHECK(restored->save_state() == state);
+    for (int i = 0; i < after; ++i) {
+      CAPTURE(i);
+      REQUIRE(make_frame(*restored, control) == frames[static_cast<std::size_t>(i)]);
+      REQUIRE(restored->save_state() == states[static_cast<std::size_t>(i)]);
+    }
+  }
+}
+
+TEST_CASE("bodies that sleep go on to the bit when another one wakes them") {
+  const std::string xml =
+      kPhysics + ground() + body("LOWER", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.1 0 0 0'", "mass='1'") +
+      body("UPPER", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.3 0 0 0'", "mass='1'") +
+      body("BALL", "shape='sphere' radius='0.1' pose_offset='1 0 5 0 0 0'", "mass='1' velocity='0 0 -0.1'") +
+      "<sensor type='contact' name='CONTACT' insert_at='LOWER'/><sensor type='imu' name='IMU' insert_at='UPPER'/>";
+  constexpr std::uint64_t kThrown = 64;
+  const auto hit = [](Simulation& simulation, std::uint64_t frame) {
+    if (frame != kThrown) return;
+    simulation.set("BALL_BODY", "x", 0.05);
+    simulation.set("BALL_BODY", "z", 0.6);
+  };
+  check_goes_on([&] { return Simulation::from_string(xml); }, hit, 62, 30);
+}
+
+TEST_CASE("constraints of models and pairs that do not collide go on to the bit") {
+  const TemporaryFolder folder;
+  write_equalities(folder.path());
+  const auto leave = [](Simulation&, std::uint64_t) {};
+  for (const int before : {1, 10, 25}) {
+    check_goes_on([&] { return Simulation::from_string(kEqualities, {}, folder.path()); }, leave, before, 10);
+  }
+}
+
+TEST_CASE("belts go on to the bit and wake nobody") {
+  const std::string belt = body("BELT", "shape='box' size='4 1 0.2' pose_offset='0 0 0.1 0 0 0'",
+                                "kind='static' belt='1 0 0' belt_speed='0.2'");
+  const std::string xml = kPhysics + ground() + belt +
+                          body("CARRIED", "shape='box' size='0.2 0.2 0.2' pose_offset='-1.5 0 0.3 0 0 0'", "mass='1'") +
+                          body("ASLEEP", "shape='box' size='0.2 0.2 0.2' pose_offset='0 5 0.1 0 0 0'", "mass='1'") +
+                          "<sensor type='imu' name='IMU' insert_at='CARRIED'/>";
+  const auto drive = [](Simulation& simulation, std::uint64_t frame) {
+    if (frame == 65) simulation.set("BELT_BODY", "belt_speed", 0.1);
+  };
+  check_goes_on([&] { return Simulation::from_string(xml); }, drive, 62, 10);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <simvis/simulation.h>
@@ -85,6 +86,35 @@ TEST_CASE("every type of sensor goes on to the bit from a restored state, or is 
   }
   CHECK(saved > 80);
   CHECK(refused == std::set<std::string>{"camera with flow", "event_camera", "stereo_camera with flow"});
+}
+
+TEST_CASE("a sensor that was off and cannot be saved begins anew: it forgets what came after the state") {
+  const std::string flow = "outputs='color flow_backward flow_forward' width='32' height='20'";
+  const std::pair<std::string_view, std::string> all[] = {{"camera", flow},
+                                                          {"camera", flow + " row_time='0.001'"},
+                                                          {"stereo_camera", flow},
+                                                          {"event_camera", "width='16' height='10' leak='200'"},
+                                                          {"laser_scanner", "samples='21' method='auto'"}};
+  for (const auto& [type, attributes] : all) {
+    for (const std::string& late : {std::string(), kLate}) {
+      Simulation simulation = scene_of(type, attributes + late);
+      simulation.enable("S", false);
+      make_frames(simulation, move, 2);
+      const std::string state = simulation.save_state();
+      simulation.enable("S", true);
+      make_frames(simulation, move, 10);
+      simulation.restore_state(state);
+      simulation.enable("S", true);
+      const std::vector<MadeFrame> after = make_frames(simulation, move, 4);
+      Simulation fresh = scene_of(type, attributes + late);
+      fresh.restore_state(state);
+      fresh.enable("S", true);
+      const std::vector<MadeFrame> expected = make_frames(fresh, move, 4);
+      const std::string what = std::string(type) + " " + attributes + late;
+      CAPTURE(what);
+      CHECK(after == expected);
+    }
+  }
 }
 
 }  // namespace

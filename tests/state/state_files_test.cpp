@@ -1,10 +1,12 @@
 // --save-state and --restore-state: two runs together have the files of one.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include <simvis/simulation.h>
 #include "tests/support/moving_scene.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
@@ -53,6 +55,22 @@ TEST_CASE("a run that goes on from a file writes the frames that follow") {
     CHECK(rows == rows_of(runs.folder / "whole" / table));
     CHECK(rows.size() > 8);
   }
+}
+
+TEST_CASE("a trajectory ends when it says, also behind a state with a frame of another length") {
+  const Runs runs;
+  Simulation simulation = Simulation::load(runs.folder / "scene.xml");
+  simulation.step();
+  simulation.step(std::chrono::milliseconds(700));
+  std::ofstream(runs.state(), std::ios::binary) << simulation.save_state();
+  std::ofstream(runs.folder / "drive.csv") << "time_s,BOX_BODY.z\n0,1\n1,1\n";
+  const ProcessResult rest =
+      runs.run("rest", {"--trajectory", (runs.folder / "drive.csv").string(), "--restore-state", runs.state()});
+  CAPTURE(rest.err);
+  REQUIRE(rest.exit_code == 0);
+  int frames = 0;  // until 1 s
+  for (; simulation.next_frame().time_ns <= 1'000'000'000; ++frames) simulation.step();
+  CHECK(rows_of(runs.folder / "rest" / "IMU.csv").size() == static_cast<std::size_t>(frames));
 }
 
 TEST_CASE("what does not fit is an error of the option, and no file appears") {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "engine/base/fnv1a.h"
 #include "tests/state/saved_state.h"
 #include "tests/support/error_of.h"
 #include "tests/support/long_count.h"
@@ -29,17 +28,6 @@ const std::string kTouchingScene =
     "<sensor type='imu' name='IMU' insert_at='TOP'/>";
 
 void leave_alone(Simulation& /*simulation*/, std::uint64_t /*frame*/) {}
-
-// The content of a state, and where it begins: behind its hash.
-std::size_t begin_of_content(const std::string& state) { return state.find(version()) + version().size() + 16; }
-
-// A state whose content was changed by someone who knows the format.
-std::string with_right_hash(std::string state) {
-  const std::size_t begin = begin_of_content(state);
-  const std::uint64_t hash = fnv1a(std::string_view(state).substr(begin));
-  std::memcpy(state.data() + begin - sizeof hash, &hash, sizeof hash);
-  return state;
-}
 
 // A stranger's clock may ask for years of physics, which the report of progress ends.
 SimulationDesc impatient() {

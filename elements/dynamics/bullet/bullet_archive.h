@@ -5,7 +5,6 @@
 #include <LinearMath/btTransform.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -34,11 +33,8 @@ inline bool is_order(const std::vector<std::uint32_t>& numbers) {
   return true;
 }
 
-/// Numbers that must be finite when they are read. Those of a body that has exploded may be written.
-inline void archive_finite(StateArchive& state, double& number) {
-  state(number);
-  if (state.is_reading()) state.require(std::isfinite(number));
-}
+/// As StateArchive::finite().
+inline void archive_finite(StateArchive& state, double& number) { state.finite(number); }
 inline void archive_finite(StateArchive& state, btVector3& vector) {
   for (int i = 0; i < 3; ++i) archive_finite(state, vector[i]);
 }

@@ -55,7 +55,8 @@ void archive_constraint(StateArchive& state, ConstraintDesc& desc, btTransform& 
   state(has_b);
   if (has_b != desc.b.has_value()) desc.b.emplace();
   if (has_b) archive_link(*desc.b);
-  state(desc.a_from_joint, desc.b_from_joint, desc.collide);
+  state.finite(desc.a_from_joint, desc.b_from_joint);
+  state(desc.collide);
   archive_finite(state, world_from_joint);
 }
 
@@ -100,6 +101,7 @@ void BulletWorld::archive(StateArchive& state) {
   for (const auto& [id, body] : bodies_) archive_rigid(state, *body.rigid);
   for (const auto& [id, articulation] : articulations_) articulation->archive(state);
   for (btCollisionObject* const object : objects()) archive_object(state, *object);
+  archive_surfaces(state);
   archive_constraints(state);
   archive_impulses(state);
   archive_orders(state);
@@ -107,11 +109,29 @@ void BulletWorld::archive(StateArchive& state) {
   archive_contacts(state);
 }
 
+// Those that the state does not know stand.
+void BulletWorld::archive_surfaces(StateArchive& state) {
+  std::map<WorldPart, SurfaceMotion> motions = surface_motions_;
+  state(motions);
+  if (!state.is_reading()) return;
+  for (const auto& [part, motion] : motions) {
+    state.require(bodies_.contains(part.id) || articulations_.contains(part.id));
+  }
+  for (const auto& [part, motion] : surface_motions_) motions.try_emplace(part);
+  for (const auto& [part, motion] : motions) set_surface(part, motion);
+  surface_motions_ = std::move(motions);
+}
+
 void BulletWorld::archive_constraints(StateArchive& state) {
   const auto has = [&](const WorldLink& link) {
     if (bodies_.contains(link.id)) return link.link == -1;
     const auto found = articulations_.find(link.id);
     return found != articulations_.end() && link.link >= -1 && link.link < static_cast<int>(found->second->links());
+  };
+  const auto moves = [&](const WorldLink& link) {
+    const auto body = bodies_.find(link.id);
+    if (body != bodies_.end()) return body->second.kind == BodyKind::dynamic;
+    return link.link >= 0 || !articulations_.at(link.id)->body().hasFixedBase();
   };
   std::size_t count = constraints_.size();
   state.count(count, 1);
@@ -130,7 +150,8 @@ void BulletWorld::archive_constraints(StateArchive& state) {
     archive_constraint(state, desc, world_from_joint);
     if (!state.is_reading()) continue;
     state.require(jointed_ != nullptr && id < next_constraint_ && !constraints_.contains(id) && has(desc.a));
-    state.require(!desc.b || has(*desc.b));
+    state.require(!desc.b || (has(*desc.b) && *desc.b != desc.a));
+    state.require(moves(desc.a) || (desc.b && moves(*desc.b)));
     state.require(desc.kind == ConstraintDesc::Kind::fixed || articulations_.contains(desc.a.id));
     make_constraint(id, desc, world_from_joint);
   }

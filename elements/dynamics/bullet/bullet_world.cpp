@@ -288,6 +288,10 @@ void BulletWorld::move_surface(const WorldPart& part, const SurfaceMotion& motio
   if (known == motion) return;
   known = motion;
   wakes_all_ = true;
+  set_surface(part, motion);
+}
+
+void BulletWorld::set_surface(const WorldPart& part, const SurfaceMotion& motion) {
   if (const auto body = bodies_.find(part.id); body != bodies_.end()) {
     body->second.shape->move_surface(part.part, motion);
   } else {

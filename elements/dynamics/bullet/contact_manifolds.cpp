@@ -140,6 +140,9 @@ void take_over_impulses(std::vector<btManifoldPoint>& old, btPersistentManifold&
   }
 }
 
+// The default constructor of Bullet leaves numbers unset that its solver reads.
+const btManifoldPoint kNoPoint(btVector3(0, 0, 0), btVector3(0, 0, 0), btVector3(0, 0, 1), 0);
+
 // What the next step reads of a contact: it makes contacts anew and takes over their impulses.
 void archive_point(StateArchive& state, btManifoldPoint& point) {
   for (btVector3* const each :
@@ -209,13 +212,13 @@ void ContactManifolds::archive(StateArchive& state) {
     for (int i = 0; i < manifold->getNumContacts(); ++i) points.push_back(manifold->getContactPoint(i));
   }
   std::size_t count = all.size();
-  state.count(count, 1);
+  state.count(count, sizeof(std::uint64_t));
   all.resize(count);
   for (std::vector<btManifoldPoint>& points : all) {
     std::size_t size = points.size();
     state.count(size, 1);
     state.require(size <= MANIFOLD_CACHE_SIZE);
-    points.resize(size);
+    points.resize(size, kNoPoint);
     for (btManifoldPoint& point : points) archive_point(state, point);
   }
   if (!state.is_reading()) return;

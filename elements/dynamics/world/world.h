@@ -5,6 +5,7 @@
 // Frames   world_from_X is rigid. A body's frame is the user's choice; its centre of mass lies anywhere in it.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -44,6 +45,11 @@ struct SurfaceMotion {
   std::optional<glm::dvec3> roller_axis{};  ///< friction acts along it only, since rollers turn about it; unit length.
                                             ///< None: friction acts along all directions
   bool operator==(const SurfaceMotion&) const = default;
+  void archive(StateArchive& state) {
+    state.finite(belt_m_s);
+    state(roller_axis);
+    if (roller_axis) state.require(std::isfinite(glm::dot(*roller_axis, *roller_axis)));
+  }
 };
 
 /// A piece of a body's surface. Only bodies that no force moves may have a mesh or a plane, which is z = 0 and solid
@@ -139,6 +145,7 @@ struct WorldPart {
   std::size_t id = 0;
   int part = 0;
   auto operator<=>(const WorldPart&) const = default;
+  void archive(StateArchive& state) { state(id, part); }
 };
 
 /// A constraint between two bodies or links, besides the joints of an articulation. Kinematic and fixed bodies may be

@@ -1,0 +1,178 @@
+// States that are refused change nothing: what the simulation has, also beside its state, stays.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include <simvis/state_archive.h>
+#include "elements/sensed_physics.h"
+#include "simvis/built_scene.h"
+#include "tests/state/saved_state.h"
+#include "tests/support/error_of.h"
+#include "tests/support/moving_scene.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("state");
+
+namespace simvis::test {
+namespace {
+
+const std::string kBoxes =
+    kPhysics + ground() + body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.4 0 0 0'", "mass='1'") +
+    "<sensor type='imu' name='IMU' insert_at='BOX'/><sensor type='odometry' name='ODOM' insert_at='BOX' delay='0.1'/>";
+
+void do_nothing(Simulation& /*simulation*/, std::uint64_t /*frame*/) {}
+
+// Behind the title of an object and the size of its values.
+std::size_t values_of(const std::string& state, const std::string& title) {
+  const std::size_t at = state.find(title);
+  REQUIRE(at != state.npos);
+  return at + title.size() + sizeof(std::uint64_t);
+}
+
+template <typename Number>
+std::string with(std::string state, std::size_t at, Number number) {
+  std::memcpy(state.data() + at, &number, sizeof number);
+  return with_right_hash(std::move(state));
+}
+
+// Its last values are wrong, so that all others have been read before.
+std::string wrong_at_the_end(const std::string& state) {
+  return with(state, values_of(state, "the motion that sensors follow") - sizeof(std::uint64_t), std::uint64_t{1});
+}
+
+TEST_CASE("a refused state leaves what has been measured and the pulls that are under way") {
+  const auto pulled = [] {
+    Simulation simulation = Simulation::from_string(kBoxes);
+    make_frames(simulation, do_nothing, 2);
+    const auto physics = find_physics(built_scene(simulation).scene);
+    const std::size_t box = physics->drawn_bodies().size() - 1;
+    physics->pull(1, BodyPull{.body = box, .body_m = {0, 0, 0}, .target_m = {0.5, 0, 1}});
+    make_frames(simulation, do_nothing, 4);
+    return simulation;
+  };
+  Simulation expected = pulled();
+  const std::vector<MadeFrame> after = make_frames(expected, do_nothing, 5);
+  Simulation simulation = pulled();
+  const std::string state = simulation.save_state();
+  const std::string foreign = Simulation::from_string(kPhysics + ground()).save_state();
+  REQUIRE(simulation.measured().size() == 2);
+  for (const std::string& refused : {foreign, wrong_at_the_end(state)}) {
+    CHECK_THROWS_AS(simulation.restore_state(refused), InputError);
+    CHECK(simulation.measured().size() == 2);
+    CHECK(simulation.save_state() == state);
+  }
+  CHECK(make_frames(simulation, do_nothing, 5) == after);
+  simulation.restore_state(state);
+  CHECK(simulation.measured().empty());
+  CHECK(make_frames(simulation, do_nothing, 5) != after);  // the pull has ended
+}
+
+TEST_CASE("an exploded simulation cannot be saved, keeps its failure, and goes on from an earlier state") {
+  const std::string xml = kPhysics +
+                          body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 1 0 0 0'", "mass='1'") +
+                          "<element type='force' name='FORCE' insert_at='BOX'/>";
+  Simulation simulation = Simulation::from_string(xml);
+  make_frames(simulation, do_nothing, 2);
+  const std::string state = simulation.save_state();
+  const std::vector<MadeFrame> after = make_frames(simulation, do_nothing, 3);
+  simulation.set("FORCE", "force_x", 1e9);
+  const auto failure_of_step = [&]() -> std::string {
+    try {
+      simulation.step();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string failure = failure_of_step();
+  REQUIRE(contains(failure, "has exploded"));
+  const std::string refusal = error_of([&] { static_cast<void>(simulation.save_state()); });
+  CHECK(contains(refusal, "the state of element \"PHYSICS\" cannot be saved: "));
+  CHECK(contains(refusal, "has exploded"));
+  CHECK_THROWS_AS(simulation.restore_state(wrong_at_the_end(state)), InputError);
+  CHECK(failure_of_step() == failure);
+  simulation.restore_state(state);
+  CHECK(make_frames(simulation, do_nothing, 3) == after);
+}
+
+TEST_CASE("clocks that no run has are refused, or end soon") {
+  Simulation simulation = Simulation::from_string(kBoxes);
+  make_frames(simulation, do_nothing, 6);
+  const std::string state = simulation.save_state();
+  constexpr std::int64_t kNumbers[] = {std::numeric_limits<std::int64_t>::min(), -1, std::int64_t{1} << 62};
+  const std::size_t clock = values_of(state, "the clock");
+  constexpr std::size_t kStretched = 4 * sizeof(std::uint64_t);  // behind made, last, start and origin
+  CHECK_THROWS_AS(simulation.restore_state(with(state, clock + kStretched, std::uint8_t{1})), InputError);
+  for (const std::size_t member : {1, 2, 3}) {
+    for (const std::int64_t number : kNumbers) {
+      CHECK_THROWS_AS(simulation.restore_state(with(state, clock + 8 * member, number)), InputError);
+    }
+  }
+  // Each time in the state, of the clock, physics and sensors, and what follows it: what is left of physics.
+  const std::int64_t last_ns = simulation.last_frame()->time_ns;
+  const std::string wanted(reinterpret_cast<const char*>(&last_ns), sizeof last_ns);
+  int found = 0;
+  for (std::size_t at = clock; (at = state.find(wanted, at)) != state.npos; at += sizeof last_ns) {
+    for (const std::size_t behind : {0, 8}) {
+      for (const std::int64_t number : kNumbers) {
+        CAPTURE(at);
+        try {
+          simulation.restore_state(with(state, at + behind, number));
+          simulation.step();
+        } catch (const Error&) {
+        }
+        simulation.restore_state(state);
+      }
+    }
+    ++found;
+  }
+  CHECK(found >= 6);
+}
+
+TEST_CASE("a refused number of constraints leaves the constraints of a new simulation") {
+  const TemporaryFolder folder;
+  write_equalities(folder.path());
+  const auto load = [&] { return Simulation::from_string(kEqualities, {}, folder.path()); };
+  Simulation first = load();
+  make_frames(first, do_nothing, 3);
+  const std::string state = first.save_state();
+  const std::vector<MadeFrame> after = make_frames(first, do_nothing, 5);
+  Simulation simulation = load();
+  const std::size_t physics = values_of(state, "element \"PHYSICS\"");
+  int refused = 0;
+  for (std::size_t at = physics; at < physics + 96; ++at) {
+    try {
+      simulation.restore_state(with(state, at, static_cast<std::uint8_t>(state[at] ^ 0x40)));
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  CHECK(refused > 40);
+  simulation.restore_state(state);
+  CHECK(make_frames(simulation, do_nothing, 5) == after);
+  Simulation unused = load();
+  CHECK_THROWS_AS(unused.restore_state(wrong_at_the_end(state)), InputError);
+  unused.restore_state(state);
+  CHECK(make_frames(unused, do_nothing, 5) == after);
+}
+
+TEST_CASE("memory follows what a state has, not the number of values that it names") {
+  constexpr std::uint64_t kBytes = 1 << 20;
+  std::string bytes(sizeof kBytes + kBytes, '\0');
+  std::memcpy(bytes.data(), &kBytes, sizeof kBytes);
+  StateArchive state(bytes);
+  std::vector<glm::dmat4> matrices;
+  CHECK_THROWS_AS(state(matrices), InputError);
+  constexpr std::size_t kGrowth = 2;  // of a vector
+  CHECK(matrices.capacity() * sizeof(glm::dmat4) <= kGrowth * kBytes);
+}
+
+}  // namespace
+}  // namespace simvis::test
+
+TEST_SUITE_END();
