@@ -64,7 +64,7 @@ void read_mjcf(Input input) { read_part_file(input_file("part.xml", input)); }
 void read_usd(Input input) {
   const std::filesystem::path file = input_folder() / "part.usda";
   ContentPool pool;
-  use_part(read_usd_answer(input, file, false, pool), file, pool);
+  use_part(read_usd_answer(input, {.file = file}, pool), file, pool);
 }
 
 // A map and its picture: the text ends at the first zero.
