@@ -69,6 +69,7 @@ void BulletArticulation::archive(StateArchive& state) {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     archive_joint(state, *body_, static_cast<int>(i));
     Link& link = links_[i];
+    archive_finite(state, link.drive_effort);
     state(link.measured, link.load.origin_m, link.load.force_n, link.load.torque_nm);
     archive_drive(state, i);
   }

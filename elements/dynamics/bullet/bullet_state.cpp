@@ -2,6 +2,8 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -45,6 +47,12 @@ void archive_rigid(StateArchive& state, btRigidBody& body) {
   if (!state.is_reading()) return;
   body.setLinearVelocity(speed);
   body.setAngularVelocity(turn_rate);
+}
+
+void archive_motion(StateArchive& state, SurfaceMotion& motion) {
+  const auto is_finite = [](const glm::dvec3& v) { return std::isfinite(v.x + v.y + v.z); };
+  state(motion.belt_m_s, motion.roller_axis);
+  state.require(is_finite(motion.belt_m_s) && is_finite(motion.roller_axis.value_or(glm::dvec3(0))));
 }
 
 void archive_constraint(StateArchive& state, ConstraintDesc& desc, btTransform& world_from_joint) {
@@ -100,11 +108,37 @@ void BulletWorld::archive(StateArchive& state) {
   for (const auto& [id, body] : bodies_) archive_rigid(state, *body.rigid);
   for (const auto& [id, articulation] : articulations_) articulation->archive(state);
   for (btCollisionObject* const object : objects()) archive_object(state, *object);
+  archive_surfaces(state);
   archive_constraints(state);
   archive_impulses(state);
   archive_orders(state);
   broadphase_.archive(state, objects());
   archive_contacts(state);
+}
+
+// Surfaces that have been set wake nothing when they are read. The others stand.
+void BulletWorld::archive_surfaces(StateArchive& state) {
+  std::size_t count = surface_motions_.size();
+  state.count(count, 1);
+  std::map<WorldPart, SurfaceMotion> motions;
+  auto next = surface_motions_.begin();
+  for (std::size_t i = 0; i < count; ++i) {
+    WorldPart part;
+    SurfaceMotion motion;
+    if (!state.is_reading()) {
+      part = next->first;
+      motion = next->second;
+      ++next;
+    }
+    state(part.id, part.part);
+    archive_motion(state, motion);
+    state.require((bodies_.contains(part.id) || articulations_.contains(part.id)) &&
+                  motions.emplace(part, motion).second);
+  }
+  if (!state.is_reading()) return;
+  for (const auto& [part, motion] : surface_motions_) set_surface(part, {});
+  for (const auto& [part, motion] : motions) set_surface(part, motion);
+  surface_motions_ = std::move(motions);
 }
 
 void BulletWorld::archive_constraints(StateArchive& state) {

@@ -67,9 +67,12 @@ class BulletWorld : public DynamicsWorld {
   void find_loads();
   void leave_contacts(std::size_t id);
   void wake_all();
-  void keep_flying_awake();
+  void keep_moving_awake();
+  void set_surface(const WorldPart& part, const SurfaceMotion& motion);
+  void wake_touching(const btRigidBody& body);
   std::vector<btCollisionObject*> objects() const;
   std::vector<btMultiBodyConstraint*> all_constraints() const;
+  void archive_surfaces(StateArchive& state);
   void archive_constraints(StateArchive& state);
   void archive_impulses(StateArchive& state);
   void archive_orders(StateArchive& state);
