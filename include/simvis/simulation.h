@@ -283,6 +283,7 @@ class SIMVIS_API Simulation {
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   SimulationUse impl() const;
   friend const BuiltScene& built_scene(const Simulation& simulation);
+  friend const BuiltScene& updated_scene(Simulation& simulation);
   friend void read_all_content(Simulation& simulation);
   std::unique_ptr<SimulationImpl> impl_;
 };
