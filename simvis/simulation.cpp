@@ -15,6 +15,7 @@
 #include "engine/vulkan/sharing/open_devices.h"
 #include "simvis/built_scene.h"
 #include "simvis/command_names.h"
+#include "simvis/element_motion.h"
 #include "simvis/sharing/network.h"
 #include "simvis/sharing/packet_recording.h"
 #include "simvis/sharing/packet_stream.h"
@@ -376,6 +377,12 @@ void Simulation::warn(const std::string& warning) { impl()->warn(warning); }
 Diagnostics Simulation::diagnostics() const { return Diagnostics(*impl()); }
 
 const BuiltScene& built_scene(const Simulation& simulation) { return simulation.impl()->idle().scene.built; }
+
+const BuiltScene& updated_scene(Simulation& simulation) {
+  BuiltScene& built = simulation.impl()->idle().scene.built;
+  update_elements(built);
+  return built;
+}
 
 void read_all_content(Simulation& simulation) { simulation.impl()->idle().reads_all = true; }
 

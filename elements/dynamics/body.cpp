@@ -90,12 +90,11 @@ std::optional<glm::dvec3> read_belt_axis(const ElementContext& context) {
     fail_at(speed->where,
             "attribute " + in_quotes(kBeltSpeedName) + " is allowed only with the direction " + in_quotes(kBeltName));
   }
-  const glm::dvec3 direction = to_dvec3(attributes.vector(kBeltName));
-  if (direction.z != 0 || !(glm::length(direction) > 0)) {
+  if (attributes.vector(kBeltName)[2] != 0) {
     fail_at(attributes.where(kBeltName),
             "attribute " + in_quotes(kBeltName) + " is not allowed, expected a direction across z, such as 1 0 0");
   }
-  return glm::cross(glm::dvec3(0, 0, 1), glm::normalize(direction));
+  return glm::cross(glm::dvec3(0, 0, 1), unit_axis(context, kBeltName));
 }
 
 BodyDesc read_body(const ElementContext& context) {

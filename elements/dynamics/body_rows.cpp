@@ -178,6 +178,14 @@ std::vector<AttributeSpec> surface_rows() {
   return {table.begin(), table.end()};
 }
 
+glm::dvec3 unit_axis(const ElementContext& context, std::string_view attribute) {
+  const double(&v)[3] = context.attributes.vector(attribute);
+  const double length = std::hypot(v[0], v[1], v[2]);
+  if (length > 0 && std::isfinite(length)) return glm::dvec3(v[0], v[1], v[2]) / length;
+  fail_at(context.attributes.where(attribute),
+          "attribute " + in_quotes(attribute) + " has no direction, expected three numbers that are not all 0");
+}
+
 SurfaceProperties read_surface(const AttributeValues& attributes) { return surface_attributes().read(attributes); }
 
 }  // namespace simvis

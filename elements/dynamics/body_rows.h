@@ -87,6 +87,9 @@ void correct_inertia(Scene& scene, const Location& where, const std::string& who
 /// neither or both of mass and density, a mesh, a shape without volume.
 MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes);
 
+/// The unit vector of an attribute that is a direction. Throws InputError at the attribute: it has no length.
+glm::dvec3 unit_axis(const ElementContext& context, std::string_view attribute);
+
 /// A mask that is not given has all bits; a category that is not given is that with which the surface collides.
 SurfaceProperties read_surface(const AttributeValues& attributes);
 

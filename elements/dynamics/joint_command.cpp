@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include <simvis/error.h>
@@ -62,6 +63,13 @@ const std::vector<double>& numbers_for(const Lists& lists, JointKindOf kind) {
 
 std::string_view name_of(JointKindOf kind) {
   return kind == JointKindOf::position ? "position" : kind == JointKindOf::velocity ? "velocity" : "effort";
+}
+
+void require_once(const std::vector<std::string>& joints) {
+  std::set<std::string_view> known;
+  for (const std::string& joint : joints) {
+    if (!known.insert(joint).second) throw InputError("joint " + in_quotes(joint) + " comes twice");
+  }
 }
 
 template <typename Lists>
@@ -174,6 +182,7 @@ void JointCommandElement::read_listed(const ElementContext& context) {
 }
 
 std::vector<const DrivenJoint*> JointCommandElement::find_joints(const std::vector<std::string>& names) const {
+  require_once(names);
   std::vector<const DrivenJoint*> found;
   for (const std::string& name : names) {
     const auto joint = std::ranges::find(joints_, name, &DrivenJoint::name);
@@ -182,7 +191,6 @@ std::vector<const DrivenJoint*> JointCommandElement::find_joints(const std::vect
       for (const DrivenJoint& each : joints_) known.push_back(each.name);
       throw InputError("there is no driven joint " + in_quotes(name) + suggestion(name, known));
     }
-    if (std::ranges::count(found, &*joint) > 0) throw InputError("joint " + in_quotes(name) + " comes twice");
     found.push_back(&*joint);
   }
   return found;
@@ -204,7 +212,7 @@ void JointCommandElement::check_limits(const DrivenJoint& joint, double value) {
 
 bool JointCommandElement::takes_any(std::span<const std::string> joints) const {
   return joints.empty() || std::ranges::any_of(joints, [&](const std::string& name) {
-           return std::ranges::find(joints_, name, &DrivenJoint::name) != joints_.end();
+           return robot_->follows(name) || std::ranges::find(joints_, name, &DrivenJoint::name) != joints_.end();
          });
 }
 
@@ -216,6 +224,7 @@ void JointCommandElement::add_target(const DrivenJoint& joint, double value,
 
 // Joints that follow others have no target of their own, and stand in the messages of hardware interfaces.
 AcceptedCommand JointCommandElement::accept(const JointCommand& command) {
+  require_once(command.names);
   std::vector<std::string> driven = command.names;
   std::erase_if(driven, [&](const std::string& joint) { return robot_->follows(joint); });
   const std::vector<const DrivenJoint*> found = find_joints(driven);

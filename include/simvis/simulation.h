@@ -284,6 +284,7 @@ class SIMVIS_API Simulation {
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   SimulationUse impl() const;
   friend const BuiltScene& built_scene(const Simulation& simulation);
+  friend const BuiltScene& updated_scene(Simulation& simulation);
   friend void read_all_content(Simulation& simulation);
   friend std::uint64_t frames_until(const Simulation& simulation, std::int64_t end_ns);
   std::unique_ptr<SimulationImpl> impl_;

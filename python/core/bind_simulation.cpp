@@ -97,8 +97,8 @@ nb::tuple reading(const RunningSimulation& running, const std::string& sensor) {
 
 // Of each point its pose, or None, the frame in which its part or link stands, and the place of the one that moves it,
 // or None.
-nb::list nested(const RunningSimulation& running, const std::vector<std::string>& names) {
-  const Scene& scene = built_scene(running.idle()).scene;
+nb::list nested(RunningSimulation& running, const std::vector<std::string>& names) {
+  const Scene& scene = updated_scene(running.idle()).scene;
   for (const std::string& name : names) {
     if (!scene.has_insertion_point(name)) throw InputError(scene.objects().unknown("part or link", name));
   }

@@ -32,29 +32,34 @@ if TYPE_CHECKING:
 
 __all__ = ["Followed", "follow"]
 
-_UNIT = 1e-6  # by which the length of a quaternion may differ from 1
+_UNIT = 1e-6  # by which the length of a quaternion, and of an axis of a matrix, may differ from 1
+_MAX_COORDINATE_M = 1e15  # of all scenes
 
 
 def follow(sim: Simulation, model: Any, data: Any, part: str | None = None) -> Followed:
     """Puts links where `data` has them now, and at each update() of what it returns.
 
     model  a mujoco.MjModel, or the names of links and parts
-    data   its mujoco.MjData, or an array of poses that the caller overwrites: (n, 7) x y z qw qx qy qz, or (n, 4, 4)
+    data   its mujoco.MjData, or poses that the caller overwrites, in an array, a list or a tensor of the CPU:
+           (n, 7) x y z qw qx qy qz, or (n, 4, 4)
     part   the part in whose frame the poses are: of a model by default the one that has its bodies, of an array the world
 
     Of a model these are xpos and xquat, which mj_kinematics() and mj_forward() compute; mj_step() leaves them one step
     behind qpos. The model is the file of the part. Its free, jointed, fixed and mocap bodies follow, and what stands in
     the world stays. Each link gets an element NAME_FOLLOWED of the type pose, so that recordings have its motion. The
-    joints of the part stay as they are. Raises InputError for another model, a name that is not there, an array of
-    another shape, a link that is followed already, and what update() raises.
+    joints of the part stay as they are now: one that changes later moves the links behind it away from their poses.
+    Raises InputError for another model, a name that is not there, a part that is one of the names, a link that is
+    followed already, and what update() raises.
     """
     if hasattr(model, "body_parentid"):
         part, names = _bodies(sim, model, part)
         return Followed(sim, names, _BodyPoses(data, len(names)), part)
     names = list(model)
+    if part in names:
+        raise InputError(f'the part "{part}" is one of the names, expected a part that stays')
     if len(set(names)) < len(names):
         raise InputError(f"a link is named twice: {', '.join(names)}")
-    return Followed(sim, names, _ArrayPoses(data, len(names)), part)
+    return Followed(sim, names, _ArrayPoses(data), part)
 
 
 class Followed:
@@ -83,20 +88,27 @@ class Followed:
         for name, element in zip(names, self._elements, strict=True):
             if element in taken:
                 raise InputError(f'"{name}" is followed already, or has another element "{element}"')
-        wanted = poses.matrices(names)
+        placed = self._placed(poses.matrices(names))
         sim.execute("".join(f"<element type=\"pose\" moves=\"all\" name={quoteattr(element)} insert_at={quoteattr(name)}/>"
                             for name, element in zip(names, self._elements, strict=True)), name="simvis.mujoco.follow")
-        self._place(wanted)
+        self._set(placed)
 
     def update(self) -> None:
         """Puts the links where the poses are now; the next step() shows them.
 
-        Raises InputError, and moves nothing, if a pose is not finite or no rotation and translation.
+        Raises InputError, and moves nothing, if the poses have another shape, or if one is not finite, no rotation and
+        translation, or more than 1e15 m away.
         """
-        self._place(self._poses.matrices(self.names))
+        self._set(self._placed(self._poses.matrices(self.names)))
 
-    def _place(self, wanted: Matrices) -> None:
-        poses = self._group_from_front @ _inverse(self._fronts(wanted)) @ wanted @ self._link_from_group
+    def _placed(self, wanted: Matrices) -> Matrices:
+        """The poses of the elements, which all can be set."""
+        poses: Matrices = self._group_from_front @ _inverse(self._fronts(wanted)) @ wanted @ self._link_from_group
+        _require(self.names, wanted, _are_rigid(poses), "that no element scales the part")
+        _require(self.names, wanted, _are_near(poses[:, :3, 3]), _NEAR)
+        return poses
+
+    def _set(self, poses: Matrices) -> None:
         for element, pose in zip(self._elements, poses, strict=True):
             self._sim._set_pose(element, pose)
 
@@ -121,25 +133,31 @@ class _BodyPoses:
 
 
 class _ArrayPoses:
-    def __init__(self, array: Any, count: int) -> None:
-        import numpy as np
+    """Of the caller's object, which is read anew each time."""
 
-        self._array = np.asarray(array, np.float64)
-        if self._array.shape not in ((count, 7), (count, 4, 4)):
-            raise InputError(f"the poses have shape {self._array.shape}, expected ({count}, 7) or ({count}, 4, 4) for "
-                             f"{count} names")
+    def __init__(self, array: Any) -> None:
+        self._array = array
 
     def matrices(self, names: list[str]) -> Matrices:
         import numpy as np
 
-        if self._array.ndim == 2:
-            return _matrices(names, self._array[:, :3], self._array[:, 3:])
-        _require(names, self._array, np.isfinite(self._array).all(axis=(1, 2)), "finite numbers")
-        turns = self._array[:, :3, :3]
-        rigid = (np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2)) <= _UNIT) & (
-            np.linalg.det(turns) > 0) & (self._array[:, 3] == [0, 0, 0, 1]).all(axis=1)
-        _require(names, self._array, rigid, "a rotation and a translation")
-        return self._array.copy()
+        count = len(names)
+        try:
+            poses = np.array(self._array, np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"the poses are no array of numbers: {error}") from None
+        if poses.shape not in ((count, 7), (count, 4, 4)):
+            raise InputError(f"the poses have shape {poses.shape}, expected ({count}, 7) or ({count}, 4, 4) for {count} "
+                             "names")
+        if poses.ndim == 2:
+            return _matrices(names, poses[:, :3], poses[:, 3:])
+        _require(names, poses, np.isfinite(poses).all(axis=(1, 2)), "finite numbers")
+        rigid = _are_rigid(poses) & (poses[:, 3] == [0, 0, 0, 1]).all(axis=1)
+        _require(names, poses, rigid, "a rotation and a translation")
+        _require(names, poses, _are_near(poses[:, :3, 3]), _NEAR)
+        left, _, right = np.linalg.svd(poses[:, :3, :3])
+        poses[:, :3, :3] = left @ right  # the nearest rotation
+        return poses
 
 
 def _matrices(names: list[str], places: Any, quaternions: Any) -> Matrices:
@@ -149,6 +167,7 @@ def _matrices(names: list[str], places: Any, quaternions: Any) -> Matrices:
     _require(names, numbers, np.isfinite(numbers).all(axis=1), "finite numbers")
     lengths = np.linalg.norm(quaternions, axis=1)
     _require(names, numbers, np.abs(lengths - 1) <= _UNIT, "a quaternion of length 1")
+    _require(names, numbers, _are_near(numbers[:, :3]), _NEAR)
     w, x, y, z = (quaternions / lengths[:, None]).T
     poses = np.zeros((len(names), 4, 4))
     poses[:, :3, 0] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=1)
@@ -157,6 +176,20 @@ def _matrices(names: list[str], places: Any, quaternions: Any) -> Matrices:
     poses[:, :3, 3] = places
     poses[:, 3, 3] = 1
     return poses
+
+
+_NEAR = "coordinates of at most 1e15 m"
+
+
+def _are_near(places: Any) -> Any:
+    return (abs(places) <= _MAX_COORDINATE_M).all(axis=1)
+
+
+def _are_rigid(poses: Any) -> Any:
+    import numpy as np
+
+    turns = poses[:, :3, :3]
+    return (np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2)) <= _UNIT) & (np.linalg.det(turns) > 0)
 
 
 def _require(names: list[str], poses: Any, good: Any, expected: str) -> None:

@@ -113,6 +113,47 @@ class Poses(Scene):
         self.near(sim, "base", matrices[0])
         self.near(sim, "hand", matrices[1])
 
+    def test_poses_of_any_kind_are_read_at_each_update(self) -> None:
+        first, second = pose_of([1, 2, 3], [0.5, 0.5, -0.5, 0.5]), pose_of([0.5, 0, 2], [0, 0, 0, 1])
+        seven = ([1, 2, 3, 0.5, 0.5, -0.5, 0.5], [0.5, 0, 2, 0, 0, 0, 1])
+        for before, after in ((first, second), seven):
+            for poses in (np.array([before]), np.array([before], np.float32), np.array([before]).tolist(),
+                          memoryview(np.array([before]))):
+                with self.subTest(type=type(poses), size=np.shape(before)):
+                    sim = self.load()
+                    sim.track_part("base")
+                    followed = simvis.mujoco.follow(sim, ["base"], poses)
+                    sim.step()
+                    self.near(sim, "base", first)
+                    if isinstance(poses, list):
+                        poses[0] = np.array(after).tolist()
+                    else:
+                        np.asarray(poses)[0] = after
+                    followed.update()
+                    sim.step()
+                    self.near(sim, "base", second)
+
+    def test_matrices_that_are_almost_rotations_become_some(self) -> None:
+        # Each may be off by 1e-6. Their products along a chain would be no rotations.
+        poses = np.array([pose_of([i, 0, 0], [1, 0, 0, 0]) for i in range(3)])
+        poses[:, 0, 0] *= [1 + 4e-7, 1 - 4e-7, 1 + 4e-7]
+        sim = self.load()
+        for name in ("base", "welded", "tip_2"):
+            sim.track_part(name)
+        simvis.mujoco.follow(sim, ["base", "welded", "tip_2"], poses)
+        sim.step()
+        for i, name in enumerate(("base", "welded", "tip_2")):
+            self.near(sim, name, pose_of([i, 0, 0], [1, 0, 0, 0]))
+
+    def test_values_that_were_just_set_count(self) -> None:
+        sim = self.load()
+        sim.set("slide", "value", 0.7)
+        sim.track_part("tip_2")
+        pose = pose_of([1, 2, 3], [0.5, 0.5, -0.5, 0.5])
+        simvis.mujoco.follow(sim, ["base", "tip_2"], np.array([np.eye(4), pose]))
+        sim.step()
+        self.near(sim, "tip_2", pose)
+
     def test_all_that_stands_at_a_link_moves_along(self) -> None:
         # On the link itself before and after it is followed, on one behind it, and on a part that it carries.
         sim = self.load(SCENE + '<sensor type="range" name="OWN" insert_at="hand" pose_offset="0.5 0 0 0 0 0"/>'
@@ -150,6 +191,12 @@ class Poses(Scene):
         self.expect("a quaternion of length 1", lambda: simvis.mujoco.follow(sim, ["hand"], 0 * one))
         self.expect("a rotation and a translation",
                     lambda: simvis.mujoco.follow(sim, ["hand"], np.diag([-1.0, 1, 1, 1])[None]))
+        far = np.array([[0, 0, 0, 1, 0, 0, 0], [2e15, 0, 0, 1, 0, 0, 0.0]])
+        self.expect("coordinates of at most 1e15 m", lambda: simvis.mujoco.follow(sim, ["hand", "base"], far))
+        apart = np.array([pose_of([x, 0, 0], [1, 0, 0, 0]) for x in (-9e14, 9e14)])
+        self.expect("coordinates of at most 1e15 m", lambda: simvis.mujoco.follow(sim, ["base", "welded"], apart))
+        self.expect("the poses are no array of numbers", lambda: simvis.mujoco.follow(sim, ["hand"], [["here"]]))
+        self.expect('the part "hand" is one of the names', lambda: simvis.mujoco.follow(sim, ["hand"], one, part="hand"))
         self.assertEqual(list(sim.changes), changes)  # none of them has changed the scene
         poses = np.concatenate([one, one])
         followed = simvis.mujoco.follow(sim, ["base", "hand"], poses)
@@ -160,6 +207,10 @@ class Poses(Scene):
         self.expect('the pose of "hand" is .*nan.*, expected finite numbers', followed.update)
         sim.step()
         self.near(sim, "base", np.eye(4))  # nothing has moved
+        poses[1, 1] = 2e15
+        self.expect("coordinates of at most 1e15 m", followed.update)
+        sim.step()
+        self.near(sim, "base", np.eye(4))
 
     def test_it_needs_no_mujoco(self) -> None:
         program = ("import sys; sys.modules['mujoco'] = None\n"

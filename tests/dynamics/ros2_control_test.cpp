@@ -90,9 +90,28 @@ TEST_CASE("lists that fit neither way are refused, and nothing changes") {
   CHECK(contains(refused({{}, kHardware, {1, 1}, {}, {1}}), "is driven by velocity, expected values of that kind"));
   CHECK(contains(refused({{}, {"shoulder", "elbow"}, {1, 1}, {}, {}}), "there is no driven joint \"elbow\""));
   CHECK(contains(refused({{}, {"shoulder", "shoulder"}, {1, 1}, {}, {}}), "comes twice"));
+  CHECK(contains(refused({{}, {"finger_2", "shoulder", "finger_2"}, {1, 1, 1}, {}, {}}), "\"finger_2\" comes twice"));
   CHECK(contains(refused({{}, kHardware, {1, 5}, {1, 1}, {1}}), "finger_1"));  // 5 m
   scene.go_to(0.1);
   CHECK(scene.get("ROBOT", "target_shoulder") == 0);
+}
+
+TEST_CASE("a JointState with joints that only follow belongs to their robot") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "m.urdf") << mobile_arm();
+  std::ofstream(folder.path() / "arm.urdf")
+      << "<robot name='a'><link name='a'>" + inertial(1, "0 0 0", 0.1) + "</link><link name='b'>" +
+             inertial(1, "0 0 0", 0.1) +
+             "</link><joint name='elbow' type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
+  std::string commands = physics("gravity='0 0 0'");
+  for (const std::string name : {"ARM", "M"}) {
+    commands += "<part name='" + name + "' insert_at='ROOT' file='" + (name == "M" ? "m" : "arm") +
+                ".urdf'/>\n<element type='robot' name='ROBOT_" + name + "' insert_at='" + name +
+                "'/>\n<element type='joint_command' name='COMMAND_" + name + "' insert_at='" + name +
+                "' robot='ROBOT_" + name + "' topic='/COMMAND/joint_commands'/>\n";
+  }
+  MovingScene scene(commands, folder.path());
+  CHECK_NOTHROW(send(scene, {{}, {"finger_2"}, {0.1}, {}, {}}));
 }
 
 TEST_CASE("a Float64MultiArray sets the targets of the listed joints, each of its kind") {

@@ -2,6 +2,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "elements/dynamics/bullet/bullet_types.h"
+#include "elements/dynamics/bullet/contact_manifolds.h"
 #include "elements/dynamics/bullet/contact_solver.h"
 
 namespace simvis {
@@ -287,8 +288,8 @@ void BulletWorld::move_surface(const WorldPart& part, const SurfaceMotion& motio
   SurfaceMotion& known = surface_motions_[part];
   if (known == motion) return;
   known = motion;
-  wakes_all_ = true;
   set_surface(part, motion);
+  if (const auto body = bodies_.find(part.id); body != bodies_.end()) wake_touching(*body->second.rigid);
 }
 
 void BulletWorld::set_surface(const WorldPart& part, const SurfaceMotion& motion) {
@@ -296,6 +297,16 @@ void BulletWorld::set_surface(const WorldPart& part, const SurfaceMotion& motion
     body->second.shape->move_surface(part.part, motion);
   } else {
     articulations_.at(part.id)->move_surface(part.part, motion);
+  }
+}
+
+// What touches an articulation is awake, since no articulation sleeps.
+void BulletWorld::wake_touching(const btRigidBody& body) {
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+    if (manifold.getNumContacts() == 0 || (manifold.getBody0() != &body && manifold.getBody1() != &body)) continue;
+    manifold.getBody0()->activate();
+    manifold.getBody1()->activate();
   }
 }
 
@@ -338,23 +349,25 @@ void BulletWorld::wake_all() {
   }
 }
 
-// A body that floats slowly touches nothing, and goes on.
-void BulletWorld::keep_flying_awake() {
+// A body that floats slowly touches nothing, and goes on. So does one that touches a moving surface.
+void BulletWorld::keep_moving_awake() {
   std::vector<btRigidBody*> tired;
   for (const auto& [id, body] : bodies_) {
     if (body.rigid->getActivationState() == WANTS_DEACTIVATION) tired.push_back(body.rigid.get());
   }
   if (tired.empty()) return;
-  std::set<const btCollisionObject*> touching;
+  std::set<const btCollisionObject*> touching, carried;
   for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
     for (int p = 0; p < manifold.getNumContacts(); ++p) {
       if (!touches(manifold, manifold.getContactPoint(p))) continue;
       touching.insert({manifold.getBody0(), manifold.getBody1()});
+      const std::optional<MovingSurface> surface = moving_surface(manifold.getContactPoint(p));
+      if (surface && !surface->slide.isZero()) carried.insert({manifold.getBody0(), manifold.getBody1()});
     }
   }
   for (btRigidBody* const body : tired) {
-    if (!touching.contains(body)) body->activate(true);
+    if (!touching.contains(body) || carried.contains(body)) body->activate(true);
   }
 }
 
@@ -393,7 +406,7 @@ std::optional<std::size_t> BulletWorld::step() {
     set_link_speeds(articulation->body());
   }
   world_->stepSimulation(desc_.step_s, 0);
-  keep_flying_awake();
+  keep_moving_awake();
   find_loads();
   for (const auto& [id, body] : bodies_) {
     if (body.kind == BodyKind::dynamic && !may_go_on(*body.rigid)) return id;

@@ -64,11 +64,12 @@ class BulletWorld : public DynamicsWorld {
   void filter_masks(std::span<const CollisionShape> shapes, const SurfaceProperties& surface);
   btCollisionObject* collider(const WorldLink& link) const;
   ConstrainedFrame frame_of(const WorldLink& link, const glm::dmat4& link_from_joint) const;
-  void set_surface(const WorldPart& part, const SurfaceMotion& motion);
   void find_loads();
   void leave_contacts(std::size_t id);
   void wake_all();
-  void keep_flying_awake();
+  void keep_moving_awake();
+  void set_surface(const WorldPart& part, const SurfaceMotion& motion);
+  void wake_touching(const btRigidBody& body);
   std::vector<btCollisionObject*> objects() const;
   std::vector<btMultiBodyConstraint*> all_constraints() const;
   void archive_surfaces(StateArchive& state);

@@ -152,7 +152,8 @@ void archive_point(StateArchive& state, btManifoldPoint& point) {
   }
   for (double* const each :
        {&point.m_distance1, &point.m_combinedFriction, &point.m_combinedRestitution, &point.m_appliedImpulse,
-        &point.m_appliedImpulseLateral1, &point.m_appliedImpulseLateral2, &point.m_prevRHS, &point.m_contactERP}) {
+        &point.m_appliedImpulseLateral1, &point.m_appliedImpulseLateral2, &point.m_prevRHS, &point.m_contactERP,
+        &point.m_contactMotion1, &point.m_contactMotion2, &point.m_frictionCFM}) {
     archive_finite(state, *each);
   }
   state(point.m_contactPointFlags, point.m_lifeTime);

@@ -2,6 +2,8 @@
 
 #include <glm/trigonometric.hpp>
 
+#include "elements/dynamics/body_rows.h"
+
 namespace simvis {
 namespace {
 

@@ -1,5 +1,7 @@
 #include "elements/dynamics/forces/thruster.h"
 
+#include "elements/dynamics/body_rows.h"
+
 namespace simvis {
 namespace {
 

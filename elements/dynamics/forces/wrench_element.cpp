@@ -1,19 +1,9 @@
 #include "elements/dynamics/forces/wrench_element.h"
 
-#include <cmath>
-
 #include <simvis/error.h>
 #include <simvis/node.h>
 
 namespace simvis {
-
-glm::dvec3 unit_axis(const ElementContext& context, std::string_view attribute) {
-  const double(&v)[3] = context.attributes.vector(attribute);
-  const double length = std::hypot(v[0], v[1], v[2]);
-  if (length > 0 && std::isfinite(length)) return glm::dvec3(v[0], v[1], v[2]) / length;
-  fail_at(context.attributes.where(attribute),
-          "attribute " + in_quotes(attribute) + " has no direction, expected three numbers that are not all 0");
-}
 
 WrenchElement::WrenchElement(const ElementContext& context)
     : WrenchSource(context.command.require("name").value, context.command.require("insert_at").value),

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <string_view>
 
 #include <simvis/element.h>
 #include <simvis/pose.h>
@@ -15,9 +14,6 @@ namespace simvis {
 /// Limits of attributes that such elements share. The forces and torques of finite values are finite.
 inline constexpr AttributeLimits kPushedPlace{.min = -kMaxCoordinate_m, .max = kMaxCoordinate_m},
     kPushingForce{.min = -1e12, .max = 1e12}, kLagTime{.min = 0, .max = 1e6};
-
-/// The unit vector of an attribute that is a direction. Throws InputError at the attribute: it has no length.
-glm::dvec3 unit_axis(const ElementContext& context, std::string_view attribute);
 
 class WrenchElement : public Element, public WrenchSource {
  public:

@@ -29,8 +29,8 @@ struct VehicleSurface {
   double speed_of(const VelocityCommand& command) const;
 };
 
-/// Balls at the corners of a rectangle from `axle_m` to `axle_m` + `wheelbase_m`; the axes of their rollers run from
-/// the middle to the wheels' corners: to the front and the side in front, to the rear and the side behind.
+/// Balls at the corners of a rectangle from `axle_m` to `axle_m` + `wheelbase_m`; the axis of the roller that
+/// touches the floor lies at 45 degrees, across the line from the middle to the corner if the rectangle is a square.
 std::vector<VehicleSurface> mecanum_wheels(double axle_m, double wheelbase_m, double track_m, double radius_m);
 
 /// Three balls on a circle around x = `axle_m`, the first at 60 degrees, the others 120 degrees apart to the left. They
