@@ -38,7 +38,8 @@ DdsDesc dds_desc(const Options& options);
 /// Empty: the default domain. Throws InputError.
 std::optional<std::uint32_t> dds_domain(const std::string& text);
 
-/// Loads the scene, restores a state, sets parameters and turns sensors off. `loading` shows the progress of loading until it is reset.
+/// Loads the scene, restores a state, sets parameters and turns sensors off. `loading` shows the progress of loading
+/// until it is reset.
 Simulation load(const Options& options, std::optional<LoadingBar>& loading);
 
 /// Empty without --trajectory. Warns of parameters that --set sets too.
