@@ -42,11 +42,19 @@ void archive_numbers(StateArchive& state, std::uint32_t held, MeasuredArray& arr
   }
 }
 
-void archive_array(StateArchive& state, MeasuredArray& array) {
+// Before its first measurement a scanner lacks the arrays of its channels: such an array has a name, a kind and a unit
+// alone.
+void archive_array(StateArchive& state, MeasuredArray& array, const std::vector<MeasuredArray>& known) {
   std::string name = array.name;
+  state(name);
+  if (state.is_reading()) {
+    const auto found = std::ranges::find(known, name, &MeasuredArray::name);
+    array = found == known.end() ? MeasuredArray() : *found;
+    array.name = name;
+  }
   auto held = static_cast<std::uint32_t>(array.numbers.index());
-  state(name, array.shape.rows, array.shape.columns, array.shape.channels, held);
-  state.require(name == array.name);
+  state.choice(array.kind, OutputKind::scalar);
+  state(array.unit, array.shape.rows, array.shape.columns, array.shape.channels, held);
   archive_numbers(state, held, array);
 }
 
@@ -67,9 +75,10 @@ void archive_state(StateArchive& state, Sensor& sensor) {
 void archive_measurement(StateArchive& state, Measurement& measurement) {
   state(measurement.time_ns, measurement.world_from_sensor);
   std::size_t arrays = measurement.arrays.size(), constants = measurement.constants.size();
-  state.count(arrays, 1);
-  state.require(arrays == measurement.arrays.size());
-  for (MeasuredArray& each : measurement.arrays) archive_array(state, each);
+  state.count(arrays, 4 * sizeof(std::uint64_t));
+  const std::vector<MeasuredArray> known = measurement.arrays;
+  measurement.arrays.resize(arrays);
+  for (MeasuredArray& each : measurement.arrays) archive_array(state, each, known);
   state.count(constants, 2 * sizeof(double));
   measurement.constants.resize(constants);
   for (NamedValue& each : measurement.constants) {
