@@ -12,7 +12,7 @@ from pathlib import Path
 import accessible
 from browser import Browser
 from live_host import LiveHost
-from seen import LEAST_COLOURS, colours_of_view, panel_bytes
+from seen import LEAST_COLOURS, colours_of_view, panel_bytes, without_exif
 
 PAGE = "(await import('simvis/main.js')).page"
 ROW = "[role=treeitem][data-kind={}][data-name={}]"
@@ -52,7 +52,8 @@ def measured_with(program, folder, value):
     subprocess.run([program, "--quiet", "--set", f"MOVE.x={value}", "--out", out, folder / "scene.xml"], check=True)
     with open(out / "SCAN.csv", encoding="ascii") as lines:
         ranges = [row["range_m"] for row in csv.DictReader(lines)]
-    return f"[{', '.join(ranges).replace('inf', 'Infinity')}]", (out / "CAM" / "000000.png").read_bytes()
+    png = without_exif((out / "CAM" / "000000.png").read_bytes())
+    return f"[{', '.join(ranges).replace('inf', 'Infinity')}]", png
 
 
 class Checks:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from browser import Browser
-from seen import LEAST_COLOURS, colours_of_view, panel_bytes
+from seen import LEAST_COLOURS, colours_of_view, panel_bytes, without_exif
 
 def shown_frame(browser, number):
     browser.wait_for(f"document.documentElement?.dataset.frame === '{number}'", f"frame {number}")
@@ -41,7 +41,7 @@ def main():
 
     with Browser(page.resolve().as_uri()) as browser:
         shown_frame(browser, 0)
-        png = (run / "CAM" / "000000.png").read_bytes()
+        png = without_exif((run / "CAM" / "000000.png").read_bytes())
         expect(panel_bytes(browser) == png, "the panel does not hold the bytes of the first PNG")
 
         with open(run / "CAM.csv", newline="") as table:
@@ -72,7 +72,7 @@ def main():
                         "document.getElementById('scrub').dispatchEvent(new Event('input'))")
             shown_frame(browser, number)
             expect(browser.run(value) == x, f"in frame {number} x of MOVE is {browser.run(value)}")
-            png = (run / "CAM" / f"{number:06}.png").read_bytes()
+            png = without_exif((run / "CAM" / f"{number:06}.png").read_bytes())
             expect(panel_bytes(browser) == png, f"the panel of frame {number} has other bytes")
 
         # One frame after the other: the last one is as the first again, which it does not say.
