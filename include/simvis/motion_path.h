@@ -32,7 +32,8 @@ struct Displacement {
 
 /// The motion from one time at which poses are known to the next.
 struct MotionPiece {
-  double begin = -1, end = 0;         ///< shares of the time
+  double begin = -1,                  ///< share of the time
+      end = 0;                        ///< the same
   glm::dvec3 point_m{0};              ///< of `until_end`
   Displacement until_end{};           ///< leads from the pose at share 0 back to that at `end`
   std::vector<ScrewMotion> joints{};  ///< of the chain, the innermost one first, each from its pose at `begin`

@@ -351,6 +351,7 @@ void bind_sensors(BoundClass<RunningSimulation>& core) {
             return has_depth ? points_of(self.measurement(sensor), frame, out)
                              : points_of(self.scan(sensor), frame, out);
           },
+          "sensor"_a, "frame"_a, "out"_a.none(),
           nb::sig("def _points(self, sensor: str, frame: str, out: typing.Any) -> numpy.typing.NDArray[numpy.float64]"))
       .def("_image", &RunningSimulation::image)
       .def("_measurement", &RunningSimulation::measurement)

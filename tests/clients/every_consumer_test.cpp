@@ -18,6 +18,7 @@
 #include "exchange/messages/types/std_types.h"
 #include "program/cli/follow_link.h"
 #include "program/live/view_encoder.h"
+#include "program/output/exif.h"
 #include "program/output/number_text.h"
 #include "program/output/output_writer.h"
 #include "scenegraph/pictures/png_file.h"
@@ -92,7 +93,10 @@ void check_files(const Measured& measured) {
     CAPTURE(each.name);
     if (each.content == ImageContent::color) {
       const std::string view = each.view.empty() ? name : name + "_" + each.view;
-      CHECK(read_text(folder / view / "000002.png") == encode_png(*to_image(each)));
+      const CameraCalibration* const camera = measured.measurement.calibration(each.view);
+      const std::string picture = encode_png(*to_image(each));
+      CHECK(read_text(folder / view / "000002.png") ==
+            (camera == nullptr ? picture : with_focal_length(picture, *camera)));
     } else {
       CHECK(npy_data(read_text(folder / (name + "_" + each.name) / "000002.npy"), each) == bytes_of(each));
     }

@@ -82,6 +82,7 @@ const std::set<std::string> kProgramNames = {
     "markdown_text",
     "measured_table",
     "min_planar_bound",
+    "nested_points",
     "open_device",
     "oriented_box",
     "output_difference",
@@ -110,8 +111,9 @@ const std::set<std::string> kProgramNames = {
     "text_table",
     "throw_file_error",
     "to_json_text",
-    "walk_graph",
     "unseen_items",
+    "updated_scene",
+    "walk_graph",
     "without_file_content",
     "write_all",
 };

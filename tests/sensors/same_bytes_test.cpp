@@ -66,6 +66,7 @@ std::string noise_of(const SensorType& type) {
   for (const AttributeSpec& each : all_attributes(type)) {
     if (each.kind == AttributeKind::number && is_noise(each.name)) attributes += std::string(each.name) + "='0.01' ";
   }
+  if (attributes.find("orientation_") != attributes.npos) attributes += "orientation='on' ";
   return attributes;
 }
 

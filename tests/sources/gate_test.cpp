@@ -168,7 +168,8 @@ TEST_CASE("./test runs the suite; --all checks what the change touches, and --ev
   const std::string everything = calls_of_test({"--everything"}, "", 0);
   CHECK(has(everything, "build asan all"));
   CHECK(everything.find("--label-regex") == everything.npos);
-  for (const std::string check : {"check_clang ", "check_tidy ", "check_tsan ", "check_deb ", "programs ", "site "})
+  for (const std::string check : {"check_clang ", "check_tidy ", "check_tsan ", "check_deb ",
+                                  "programs --check apriltag small_gicp_pairs", "site "})
     CHECK(has(everything, check));
   CHECK(calls_of_test({}, "skipped_tests", 1).find("     0 s  suite\n") == std::string::npos);
   const std::string failed = calls_of_test({"--all"}, "check_tidy", 1);

@@ -42,7 +42,7 @@ std::string with(std::string state, std::size_t at, Number number) {
 
 // Its last values are wrong, so that all others have been read before.
 std::string wrong_at_the_end(const std::string& state) {
-  return with(state, values_of(state, "the motion that sensors follow") - sizeof(std::uint64_t), std::uint64_t{1});
+  return with(state, values_of(state, "the motion that sensors follow") - sizeof(std::uint64_t), std::uint64_t{3});
 }
 
 TEST_CASE("a refused state leaves what has been measured and the pulls that are under way") {

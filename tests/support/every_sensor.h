@@ -130,9 +130,9 @@ inline std::vector<std::string> attributes_of(std::string_view type) {
 /// Outputs of one name for each thing are repeated for the things of `things`, in the order of the scene.
 inline std::vector<OutputSpec> expanded(const std::vector<OutputSpec>& specs) {
   if (specs.empty() || specs.front().name.find('*') == std::string::npos) return specs;
-  REQUIRE(specs.size() == 4);  // of joints that turn and of joints that slide
+  REQUIRE(specs.size() == 6);  // of joints that turn and of joints that slide; without physics they have no effort
   std::vector<OutputSpec> all;
-  for (const auto& [joint, first] : {std::pair("NECK", 0), {"LIFT", 2}}) {
+  for (const auto& [joint, first] : {std::pair("NECK", 0), {"LIFT", 3}}) {
     for (int i = first; i < first + 2; ++i) {
       all.push_back(specs[static_cast<std::size_t>(i)]);
       all.back().name.replace(all.back().name.find('*'), 1, joint);
