@@ -29,7 +29,8 @@ void archive_base(StateArchive& state, btMultiBody& body) {
 
 void archive_joint(StateArchive& state, btMultiBody& body, int link) {
   btMultibodyLink& own = body.getLink(link);
-  btScalar place[std::size(own.m_jointPos)] = {}, speed[6] = {};
+  btScalar place[7] = {}, speed[6] = {};
+  static_assert(sizeof place == sizeof own.m_jointPos);
   std::copy_n(own.m_jointPos, own.m_posVarCount, place);
   if (own.m_dofCount > 0) std::copy_n(body.getJointVelMultiDof(link), own.m_dofCount, speed);
   for (int i = 0; i < own.m_posVarCount; ++i) archive_finite(state, place[i]);
