@@ -137,7 +137,7 @@ class SIMVIS_API StateArchive {
     bool is_there = one.has_value();
     value(is_there);
     if (!is_there) return one.reset();
-    if (!one) one.emplace();
+    if (!one) one = T{};
     value(*one);
   }
   template <typename Key, typename T>
