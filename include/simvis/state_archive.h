@@ -14,6 +14,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -84,16 +85,16 @@ class SIMVIS_API StateArchive {
 
  private:
   void raw(void* data, std::size_t size);
-  static const double* first_of(const double& number) { return &number; }
+  static std::span<const double> numbers_of(const double& number) { return {&number, 1}; }
   template <typename T>
-  static const double* first_of(const T& numbers) {
-    return glm::value_ptr(numbers);
+  static std::span<const double> numbers_of(const T& numbers) {
+    return {glm::value_ptr(numbers), sizeof(T) / sizeof(double)};
   }
   template <typename T>
   void finite_value(T& numbers) {
     value(numbers);
-    const double* const first = first_of(numbers);
-    require(std::all_of(first, first + sizeof(T) / sizeof(double), [](double each) { return std::isfinite(each); }));
+    const std::span<const double> all = numbers_of(numbers);
+    require(std::all_of(all.begin(), all.end(), [](double each) { return std::isfinite(each); }));
   }
 
   template <typename T>

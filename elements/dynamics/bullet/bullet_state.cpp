@@ -173,6 +173,7 @@ void BulletWorld::archive_orders(StateArchive& state) {
   const std::vector<btCollisionObject*> all = objects();
   btCollisionObjectArray& order = world_->getCollisionObjectArray();
   std::vector<std::uint32_t> numbers;
+  numbers.reserve(static_cast<std::size_t>(order.size()));
   for (int i = 0; i < order.size(); ++i) numbers.push_back(number_of(all, order[i]));
   const auto archive_order = [&](std::size_t size) {
     state(numbers);
@@ -222,6 +223,7 @@ void BulletWorld::archive_contacts(StateArchive& state) {
     for (int k = 0; k < own.size(); ++k) manifolds.push_back(own[k]);
   }
   std::vector<std::uint32_t> places;
+  places.reserve(manifolds.size());
   for (const btPersistentManifold* const manifold : manifolds) {
     places.push_back(static_cast<std::uint32_t>(manifold->m_index1a));
   }
