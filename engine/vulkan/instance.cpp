@@ -38,10 +38,18 @@ std::string lacking_resource(std::size_t memory_bytes) {
   return {};
 }
 
+// The libraries of lavapipe, mainly LLVM, take 170 MiB of address space, and their first allocations some more.
+constexpr std::size_t kDriverBytes = std::size_t{256} << 20;
+
+// A driver that has too little memory while it is loaded can leave the lock of the dynamic linker taken, for which the
+// end of the process waits.
+void require_room_for_driver() {
+  const std::string lack = lacking_resource(kDriverBytes);
+  if (!lack.empty()) throw MachineError("no Vulkan driver can be loaded: " + lack);
+}
+
 // The loader leaves out a driver that it cannot load, also for lack of memory or of open files, and then finds none.
 [[noreturn]] void throw_no_driver(const std::string& call) {
-  // The libraries of lavapipe, mainly LLVM, take 170 MiB of address space, and their first allocations some more.
-  constexpr std::size_t kDriverBytes = std::size_t{256} << 20;
   const std::string lack = lacking_resource(kDriverBytes);
   throw MachineError(call + ": " + (lack.empty() ? kInstallDriver : "no Vulkan driver could be loaded, and " + lack));
 }
@@ -128,6 +136,7 @@ Instance::Instance(bool validation, const std::filesystem::path& driver) {
   const std::unique_lock lock(loader_lists());
   std::optional<OnlyDriver> only;
   if (!driver.empty()) only.emplace(driver);
+  require_room_for_driver();
   const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throw_no_driver("vkCreateInstance: VK_ERROR_INCOMPATIBLE_DRIVER");
   vk_check(result, "vkCreateInstance");

@@ -72,6 +72,7 @@ TEST_CASE("a limit of the shell ends a run with a message, or not at all") {
                                   "-v 200000", "-v 400000", "-d 20000"}) {
     const ProcessResult result = run(limit);
     CAPTURE(limit);
+    CAPTURE(result.exit_code);
     INFO(result.err);
     CHECK((result.exit_code == 0 || result.exit_code == 1));
     CHECK((result.exit_code == 0) == (result.err.find("error: ") == std::string::npos));
