@@ -135,3 +135,27 @@ TEST_CASE("COLLADA: instances of nodes and geometries that are not there are lef
   REQUIRE(loaded.warnings.size() == 1);
   CHECK(contains(loaded.warnings[0], "reference \"#h\" (and 1 more): names no node or geometry of the file"));
 }
+
+TEST_CASE("COLLADA: elements that lead nowhere and contain others are left out with them") {
+  const TemporaryFolder folder;
+  const std::string instance = "<instance_geometry url=\"#g\"/>", normals = "source=\"#n\" offset=\"2\"";
+  const std::string input = "<input semantic=\"NORMAL\" source=\"#gone\" offset=\"2\"";
+  struct Case {
+    std::string before, after, warning;
+  };
+  const std::vector<Case> cases{
+      {instance, instance + "<instance_node url=\"#x\"><instance_node url=\"#y\"/></instance_node>",
+       "reference \"#x\" (and 1 more): names no node or geometry"},
+      {instance, instance + "<instance_geometry url=\"#x\"><input/><accessor/></instance_geometry>",
+       "reference \"#x\": names no node or geometry"},
+      {"<input semantic=\"NORMAL\" " + normals + "/>", input + ">" + input + "/></input>",
+       "reference \"#gone\": names no values"}};
+  for (const Case& each : cases) {
+    CAPTURE(each.after);
+    write_text(folder / "a.dae", square_with(each.before, each.after));
+    const Loaded loaded = load(folder / "a.dae");
+    CHECK(loaded.list.items.size() == 1);
+    REQUIRE(loaded.warnings.size() == 1);
+    CHECK(contains(loaded.warnings[0], each.warning));
+  }
+}

@@ -18,22 +18,41 @@ namespace {
 // The elements that references name, by id.
 using Elements = std::map<std::string, pugi::xml_node, std::less<>>;
 
-struct ElementsOfFile : pugi::xml_tree_walker {
+struct Instances : pugi::xml_tree_walker {
+  bool for_each(pugi::xml_node& node) override {
+    const std::string_view tag = node.name();
+    const std::string id = node.attribute("id").value();
+    if (tag == "geometry") geometries.emplace(id, node);
+    if (tag == "node") nodes.emplace(id, node);
+    if (tag == "instance_geometry" || tag == "instance_node") all.push_back(node);
+    return true;
+  }
+  Elements geometries, nodes;
+  std::vector<pugi::xml_node> all;
+};
+
+// What geometries are made of. Inputs lose their children, which mean nothing.
+struct Values : pugi::xml_tree_walker {
   bool for_each(pugi::xml_node& node) override {
     const std::string_view tag = node.name();
     const std::string id = node.attribute("id").value();
     if (tag == "source" || tag == "vertices") sources.emplace(id, node);
     if (tag.ends_with("_array")) arrays.emplace(id, node);
-    if (tag == "geometry") geometries.emplace(id, node);
-    if (tag == "node") nodes.emplace(id, node);
     if (tag == "accessor") accessors.push_back(node);
-    if (tag == "input") inputs.push_back(node);
-    if (tag == "instance_geometry" || tag == "instance_node") instances.push_back(node);
+    if (tag == "input") {
+      node.remove_children();
+      inputs.push_back(node);
+    }
     return true;
   }
-  Elements sources, arrays, geometries, nodes;
-  std::vector<pugi::xml_node> accessors, inputs, instances;
+  Elements sources, arrays;
+  std::vector<pugi::xml_node> accessors, inputs;
 };
+
+// Removes elements in the order of the file. In reverse, so that nested ones go before those that contain them.
+void remove_all(const std::vector<pugi::xml_node>& elements) {
+  for (auto each = elements.rbegin(); each != elements.rend(); ++each) each->parent().remove_child(*each);
+}
 
 // What a reference names, after its "#" was added where it lacked; null: nothing.
 pugi::xml_node named(pugi::xml_attribute reference, const Elements& elements) {
@@ -51,17 +70,19 @@ class ColladaReferences {
 
   void run() {
     pugi::xml_node collada = text_.document().child("COLLADA");
-    collada.traverse(elements_);
-    for (const pugi::xml_node& instance : elements_.instances) check_instance(instance);
+    leave_out_instances(collada);
+    collada.traverse(values_);
     std::vector<pugi::xml_node> broken;
-    for (const pugi::xml_node& input : elements_.inputs) {
+    for (const pugi::xml_node& input : values_.inputs) {
       if (is_in_geometry(input) && !is_whole(input)) broken.push_back(input);
     }
     for (const pugi::xml_node& input : broken) leave_out(input);
-    for (pugi::xml_node accessor : elements_.accessors) {
+    broken.clear();
+    for (const pugi::xml_node& accessor : values_.accessors) {
       const bool is_read = positions_.contains(accessor);  // what is wrong with it is an error
-      if (!named(accessor.attribute("source"), elements_.arrays) && !is_read) accessor.parent().remove_child(accessor);
+      if (!named(accessor.attribute("source"), values_.arrays) && !is_read) broken.push_back(accessor);
     }
+    remove_all(broken);
     instances_.give(file_, "reference", "names no node or geometry of the file; the instance is left out");
     inputs_.give(file_, "reference", "names no values of the file, or fewer than there are; they are left out");
   }
@@ -72,17 +93,23 @@ class ColladaReferences {
     return static_cast<bool>(node);
   }
 
-  void check_instance(pugi::xml_node instance) {
-    const bool is_node = instance.name() == std::string_view("instance_node");
-    if (named(instance.attribute("url"), is_node ? elements_.nodes : elements_.geometries)) return;
-    instances_.add(text_.at(instance), instance.attribute("url").value());
-    instance.parent().remove_child(instance);
+  void leave_out_instances(pugi::xml_node collada) {
+    Instances instances;
+    collada.traverse(instances);
+    std::vector<pugi::xml_node> broken;
+    for (const pugi::xml_node& each : instances.all) {
+      const bool is_node = each.name() == std::string_view("instance_node");
+      if (named(each.attribute("url"), is_node ? instances.nodes : instances.geometries)) continue;
+      instances_.add(text_.at(each), each.attribute("url").value());
+      broken.push_back(each);
+    }
+    remove_all(broken);
   }
 
   // Whether an input names values, and as many as its primitives ask for.
   bool is_whole(const pugi::xml_node& input) {
     const bool is_needed = semantic_of(input) == "VERTEX" || semantic_of(input) == "POSITION";
-    const pugi::xml_node source = named(input.attribute("source"), elements_.sources);
+    const pugi::xml_node source = named(input.attribute("source"), values_.sources);
     if (!source && is_needed) {
       fail_at(text_.at(input), "attribute \"source\": " + in_quotes(input.attribute("source").value()) +
                                    " is not in the file, which has no positions without it");
@@ -92,10 +119,10 @@ class ColladaReferences {
       check_vertices(input, source);
     } else if (semantic_of(input) == "POSITION") {
       positions_.insert(accessor);
-      named(accessor.attribute("source"), elements_.arrays);
+      named(accessor.attribute("source"), values_.arrays);
     }
     if (is_needed) return true;
-    if (!accessor || !named(accessor.attribute("source"), elements_.arrays)) return false;
+    if (!accessor || !named(accessor.attribute("source"), values_.arrays)) return false;
     return is_vertices(input.parent()) || largest_index(input) < accessor.attribute("count").as_llong();
   }
 
@@ -114,8 +141,8 @@ class ColladaReferences {
     if (!position) fail_at(text_.at(vertices), "vertices have no input of the semantic POSITION");
     const long long largest = largest_index(input);
     const std::string_view source = position.attribute("source").value();
-    const auto found = elements_.sources.find(source.substr(source.starts_with('#') ? 1 : 0));
-    if (found == elements_.sources.end()) return;  // which the input of the positions tells
+    const auto found = values_.sources.find(source.substr(source.starts_with('#') ? 1 : 0));
+    if (found == values_.sources.end()) return;  // which the input of the positions tells
     const long long count = accessor_of(found->second).attribute("count").as_llong();
     if (largest < count) return;
     fail_at(text_.at(input.parent()), std::string(input.parent().name()) + " names the vertex " +
@@ -178,7 +205,7 @@ class ColladaReferences {
 
   XmlText& text_;
   PartSource& file_;
-  ElementsOfFile elements_;
+  Values values_;
   std::set<pugi::xml_node> positions_;  // accessors
   RepeatedWarning instances_, inputs_;
 };
