@@ -433,6 +433,10 @@ TEST_CASE("layers and pictures of USD that are missing or lie outside: the rule 
     CHECK(load(references({missing}), "missing_visuals='any'").size() == 2);  // and that nothing is shown
   }
   CHECK(load(references({in, "paint.mtlx", "colour.mtlx"}), "").size() == 2);  // no visuals
+  const auto gone = [](const std::string& name) {
+    return "def Material \"" + name + "\" (prepend references = @gone.usda@</" + name + ">)\n{\n}\n";
+  };
+  CHECK(load("def Cube \"c\"\n{\n}\n" + gone("Red") + gone("Blue"), "").size() == 2);
 
   std::string painted;
   for (const std::string file : {"../../../out/one/red.png", "../../../out/two/red.png", "red.png"}) {

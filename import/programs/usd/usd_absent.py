@@ -6,8 +6,14 @@ import re
 from pxr import UsdShade
 
 ASSET = re.compile(r"(?:Could not open asset|Could not load sublayer) @([^@]*)@.*? (?:introduced by|of layer) @([^@]*)@")
-PRIM = re.compile(r"In <([^>]*)>")
 MAX_PATHS = 1000
+
+
+def is_of_material(stage, error):
+    """Whether an error of composition stands at a prim that is a material."""
+    path = str(getattr(error, "rootSite", "")).rpartition("<")[2].rstrip(">")  # of LAYERS<PATH>
+    prim = stage.GetPrimAtPath(path) if path.startswith("/") else None
+    return bool(prim) and prim.IsA(UsdShade.Material)
 
 
 class Absent:
@@ -23,15 +29,15 @@ class Absent:
 
     def find_layers(self, stage):
         """References, payloads and layers that lead nowhere."""
-        for error in (" ".join(str(each).split()) for each in stage.GetCompositionErrors()):
-            named, prim = ASSET.search(error), PRIM.match(error)
+        for each in stage.GetCompositionErrors():
+            error = " ".join(str(each).split())
+            named = ASSET.search(error)
             file = os.path.realpath(os.path.join(os.path.dirname(named[2]), named[1])) if named else ""
             if named and self.is_outside(file) and os.path.isfile(file):
                 self.layers.add(file)
                 continue
             self.errors.append(error[:300])
-            is_material = named and named[1].endswith(".mtlx")
-            if not is_material and not (prim and stage.GetPrimAtPath(prim[1]).IsA(UsdShade.Material)):
+            if not (named and named[1].endswith(".mtlx")) and not is_of_material(stage, each):
                 self.missing += 1
 
     def warnings(self):
