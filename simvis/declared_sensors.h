@@ -26,8 +26,8 @@ struct SceneNames {
 /// Makes the declared sensors among the commands such that the scene takes them, with a warning for each change:
 ///
 /// left out  a sensor whose name a sensor of the scene's own has, and one with a value that its type does not take
-/// dropped   a topic that another sensor has or that lies below its name, and a frame that is another insertion point
-/// or sensor
+/// dropped   a topic of the simulation, one that another sensor has or that lies below its name, and a frame that is
+///           another insertion point, sensor or frame of a sensor, or whose optical frame is
 void adapt_declared_sensors(std::vector<Command>& commands, const PartContent& content, const SceneNames& names,
                             const std::function<void(const std::string&)>& warn);
 

@@ -19,8 +19,8 @@ struct NestedPoint {
   std::optional<std::size_t> above;  ///< the place in `names` of the nearest point whose part or link moves it
 };
 
-/// Of parts and links: one for each name, in their order. A name that comes twice, or that no point has, stands
-/// nowhere.
+/// Returns a point for each name of a part or link, in the order of `names`. A name that no point has gives a point
+/// without a pose, and so does a name that is repeated, from its second time on.
 SIMVIS_PROGRAM_API std::vector<NestedPoint> nested_points(const Scene& scene, std::span<const std::string> names);
 
 }  // namespace simvis

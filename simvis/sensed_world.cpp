@@ -1,6 +1,7 @@
 #include "simvis/sensed_world.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <unordered_set>
 #include <utility>
@@ -303,7 +304,7 @@ void SensedWorlds::follow_pose(Sensed& sensed, const Flattener& flattener, const
 void SensedWorlds::follow_joints(Sensed& sensed, const Parameters& parameters, const FrameTime& time) {
   for (auto& [joint, values] : sensed.joint_values) {
     ++motions_;
-    if (values.now && values.now->time_ns != time.time_ns) values.before = values.now;
+    if (values.now && values.now->time_ns < time.time_ns) values.before = values.now;
     values.now = {time.time_ns, parameters.values()[parameters.elements()[joint].first_value]};
   }
 }
@@ -371,6 +372,11 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& see
 void SensedWorlds::archive(StateArchive& state) {
   for (auto& [id, sensed] : sensed_) {
     state(sensed.poses, sensed.body_m, sensed.stays, sensed.due_ns, sensed.before_ns);
+    if (sensed.body_m) state.require(std::isfinite(glm::dot(*sensed.body_m, *sensed.body_m)));
+    for (const std::optional<std::int64_t>& each : {sensed.due_ns, sensed.before_ns}) {
+      if (each) state.require_past(*each);
+    }
+    state.require(!sensed.before_ns || (sensed.due_ns && *sensed.before_ns < *sensed.due_ns));
     for (auto& [joint, value] : sensed.joint_values) state(value);
   }
   bool is_followed = scene_motion_.has_value();

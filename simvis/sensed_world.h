@@ -37,7 +37,8 @@ class SensedWorlds {
   /// Nothing is computed for a sensor that is off. It is on at first.
   void enable(std::size_t sensor_id, bool on);
 
-  /// The sensor is due and hidden: when it is seen again, it has no motion yet.
+  /// Forgets the motion of a sensor that is due in a frame in which it is not in the scene. When it is there again, its
+  /// motion begins anew.
   void hide(std::size_t sensor_id);
 
   /// The world as the sensor of this id sees it, which is due in the frame of the last update(), skipped or not; null
@@ -62,10 +63,17 @@ class SensedWorlds {
     struct At {
       std::int64_t time_ns = 0;
       double value = 0;
-      void archive(StateArchive& state) { state(time_ns, value); }
+      void archive(StateArchive& state) {
+        state(time_ns);
+        state.finite(value);
+        state.require_past(time_ns);
+      }
     };
     std::optional<At> now, before;
-    void archive(StateArchive& state) { state(now, before); }
+    void archive(StateArchive& state) {
+      state(now, before);
+      state.require(!before || (now && before->time_ns < now->time_ns));
+    }
     double mean_speed() const {
       return before ? (now->value - before->value) * 1e9 / static_cast<double>(now->time_ns - before->time_ns) : 0;
     }

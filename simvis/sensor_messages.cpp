@@ -18,6 +18,7 @@
 #include "sensors/timing_faults.h"
 #include "simvis/frame_messages.h"
 #include "simvis/ros/sensor_topics.h"
+#include "simvis/ros/topic_kinds.h"
 #include "simvis/sharing/output_message.h"
 
 namespace simvis {
@@ -35,21 +36,17 @@ struct ImageTopic {
 };
 // Names are those of image_transport, which puts compressed images below the topic of the raw ones, and looks for
 // camera_info beside it.
-constexpr ImageTopic kColorTopics[] = {{"image_raw", "rgb8", ros::TopicForm::own, false},
+constexpr ImageTopic kColorTopics[] = {{kImage, "rgb8", ros::TopicForm::own, false},
                                        {"image_raw/bgr8", "bgr8", ros::TopicForm::other, false},
                                        {"image_raw/mono16", "mono16", ros::TopicForm::other, false},
                                        {"image_raw/compressed", "jpeg", ros::TopicForm::other, true},
                                        {"image_raw/compressed_png", "png", ros::TopicForm::other, true}};
 constexpr ImageTopic kDepthTopics[] = {
-    {"depth/image_raw", "32FC1", ros::TopicForm::own, false},
+    {kDepthImage, "32FC1", ros::TopicForm::own, false},
     {"depth/image_raw/compressedDepth", ros::kCompressedDepth, ros::TopicForm::other, true},
-    {"depth/millimetres", "16UC1", ros::TopicForm::other, false}};
-constexpr std::string_view kPoints = "points", kDetections = "detections", kDetections3D = "detections_3d";
-// Counts are the pixels of a thermal camera.
-constexpr std::string_view kCountsTopic = "thermal/image_raw";
-constexpr std::pair<ImageContent, std::string_view> kInfoTopics[] = {{ImageContent::color, "camera_info"},
-                                                                     {ImageContent::depth, "depth/camera_info"},
-                                                                     {ImageContent::counts, "thermal/camera_info"}};
+    {kDepthMillimetres, "16UC1", ros::TopicForm::other, false}};
+constexpr std::pair<ImageContent, std::string_view> kInfoTopics[] = {
+    {ImageContent::color, kCameraInfo}, {ImageContent::depth, kDepthInfo}, {ImageContent::counts, kCountsInfo}};
 
 }  // namespace
 
@@ -118,7 +115,7 @@ class FrameMessages::SensorMessages {
 
   // One after the other, so that each packet begins where the one before ends.
   void add_events(const Reading& reading, const CameraCalibration& camera) {
-    const std::string name = topic("", "events");
+    const std::string name = topic("", kEvents);
     if (!outlet().wants<ros::EventPacket>(name)) return;
     ros::PacketPlace& next =
         messages_.event_packets_.try_emplace(sensor_.id, ros::PacketPlace{0, stamp_ns()}).first->second;
@@ -214,7 +211,7 @@ class FrameMessages::SensorMessages {
   }
 
   void add_counts(const MeasuredArray& array, const ros::Header& header) {
-    const std::string name = topic(array.view, kCountsTopic);
+    const std::string name = topic(array.view, kCountsImage);
     if (array.count() == 0 || !outlet().wants<ros::Image>(name)) return;
     image_bytes_ += array.bytes();
     image_messages_.push_back([array, name, header, time = time_ns()](ros::MessageSink& sink) {
@@ -255,7 +252,7 @@ class FrameMessages::SensorMessages {
   }
 
   void add_scan(const Scan& scan, const ros::RangeLimits& limits, double scan_time_s) {
-    const std::string planar = topic("", "scan"), cloud = topic("", kPoints), custom = topic("", "livox");
+    const std::string planar = topic("", kScan), cloud = topic("", kPoints), custom = topic("", kLivox);
     const CommandAttribute* const written = sensor_.command.find(kLayoutAttribute.name);
     const std::string layout(written == nullptr ? kLayoutAttribute.default_value : std::string_view(written->value));
     const bool wants_planar = scan.rings == 1 && outlet().wants<ros::LaserScan>(planar);

@@ -3,6 +3,7 @@
 
 #include <glm/glm.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <simvis/attributes.h>
@@ -25,6 +26,11 @@ class FileCommand {
     add(name, format_number(v.x) + " " + format_number(v.y) + " " + format_number(v.z));
   }
   const std::string& type() const { return command_.attributes.front().value; }
+  /// As written; empty: there is none.
+  std::string_view find(std::string_view name) const {
+    const CommandAttribute* const found = command_.find(name);
+    return found == nullptr ? std::string_view() : std::string_view(found->value);
+  }
   std::string text() const { return to_string(command_); }
 
  private:

@@ -23,16 +23,17 @@ class UniqueNames {
   std::map<std::string, int> last_;  // number of the last one of each name
 };
 
-/// A name that a sensor of a file may have, which becomes a name of files: without '.', and with '/' between names
-/// only.
+/// A name that a sensor of a file may have, which becomes a name of files: with '_' in place of '.' and of control
+/// characters, with '/' between names only, and "sensor" if only blanks remain.
 inline std::string sensor_name(std::string name) {
-  std::ranges::replace(name, '.', '_');
+  const auto is_replaced = [](char c) { return c == '.' || static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
+  std::ranges::replace_if(name, is_replaced, '_');
   std::string cleaned;
   for (const char c : name) {
     if (c != '/' || (!cleaned.empty() && cleaned.back() != '/')) cleaned += c;
   }
   if (cleaned.ends_with('/')) cleaned.pop_back();
-  return cleaned.empty() ? "sensor" : cleaned;
+  return cleaned.find_first_not_of(' ') == cleaned.npos ? "sensor" : cleaned;
 }
 
 }  // namespace simvis

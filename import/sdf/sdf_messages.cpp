@@ -4,6 +4,8 @@
 #include <iterator>
 #include <span>
 
+#include "engine/base/words.h"
+#include "import/sdf/sdf_camera_types.h"
 #include "scenegraph/language/frame_name.h"
 #include "scenegraph/language/topic_name.h"
 
@@ -22,23 +24,17 @@ constexpr NamedTag kCameraTags[] = {{"imageTopicName", "image_raw"},
                                     {"pointCloudTopicName", "points"}};
 // What a camera of ROS 2 sends without being asked. Its depth clouds are large, and come by a <remapping>.
 constexpr std::string_view kUnasked[] = {"image_raw", "camera_info", "depth/image_raw", "depth/camera_info"};
-// The messages at <topic> of a camera of gz-sim, and what follows the topic in their names.
+// The messages at <topic> of a camera of gz-sim, by the outputs of its type, and what follows the topic in their names.
 struct OwnTopic {
-  std::string_view type;
+  std::string_view outputs;
   const char* what;
   const char* ending;
 };
-constexpr OwnTopic kOwnTopics[] = {{"camera", "image_raw", ""},
-                                   {"wideanglecamera", "image_raw", ""},
-                                   {"wide_angle_camera", "image_raw", ""},
+constexpr OwnTopic kOwnTopics[] = {{"color", "image_raw", ""},
                                    {"depth", "depth/image_raw", ""},
-                                   {"depth_camera", "depth/image_raw", ""},
-                                   {"rgbd", "image_raw", "/image"},
-                                   {"rgbd", "depth/image_raw", "/depth_image"},
-                                   {"rgbd", "points", "/points"},
-                                   {"rgbd_camera", "image_raw", "/image"},
-                                   {"rgbd_camera", "depth/image_raw", "/depth_image"},
-                                   {"rgbd_camera", "points", "/points"}};
+                                   {"color depth", "image_raw", "/image"},
+                                   {"color depth", "depth/image_raw", "/depth_image"},
+                                   {"color depth", "points", "/points"}};
 // The message of a sensor that sends one, by its type.
 constexpr NamedTag kMessages[] = {{"imu", "imu"},
                                   {"gnss", "fix"},
@@ -89,6 +85,13 @@ std::string message_of(std::string_view type, const SdfElement& plugin) {
   return found == std::end(kMessages) ? "" : found->what;
 }
 
+/// Whether a camera sends this kind of message, as its outputs are.
+bool is_sent(std::string_view what, const SdfCommand& camera) {
+  const bool is_of_depth = what.starts_with("depth/") || what == "points";
+  const std::vector<std::string_view> outputs = words_of(camera.find("outputs"));
+  return std::ranges::count(outputs, std::string_view(is_of_depth ? "depth" : "color")) > 0;
+}
+
 /// <remapping>OWN:=TOPIC</remapping> of a plug-in of ROS 2, by OWN without ~ and / in front.
 std::vector<std::pair<std::string, std::string>> remappings(const SdfElement& ros) {
   constexpr std::string_view kIs = ":=";
@@ -107,8 +110,9 @@ std::vector<std::pair<std::string, std::string>> remappings(const SdfElement& ro
 
 }  // namespace
 
-void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, const std::string& sensor, Names& names,
-                              ImportReport& report) {
+void SdfMessages::read_plugin(const SdfElement& plugin, const SdfCommand& command, const std::string& sensor,
+                              Names& names, ImportReport& report) {
+  const std::string& type = command.type();
   const SdfElement ros = plugin.child("ros");
   const std::string space = ros ? ros.child("namespace").text() : plugin.child("robotNamespace").text();
   const auto add = [&](std::string what, const std::string& topic) {
@@ -118,14 +122,14 @@ void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, c
     const std::string base = (ros ? plugin.child("camera_name") : plugin.child("cameraName")).text();
     const std::string camera = ros && base.empty() ? sensor : base;
     for (const NamedTag& each : kCameraTags) {
-      if (ros && std::ranges::count(kUnasked, each.what) == 0) continue;
+      if (!is_sent(each.what, command) || (ros && std::ranges::count(kUnasked, each.what) == 0)) continue;
       const std::string own = ros ? each.what : plugin.child(each.tag).text();
       if (own.empty() || camera.empty()) continue;
       add(each.what, own.starts_with('/') ? own : camera + "/" + own);
     }
     for (const auto& [own, topic] : remappings(ros)) {
       const std::string kind = own.starts_with(camera + "/") ? own.substr(camera.size() + 1) : own;
-      if (std::ranges::count(kCameraTags, kind, &NamedTag::what) == 0) {
+      if (std::ranges::count(kCameraTags, kind, &NamedTag::what) == 0 || !is_sent(kind, command)) {
         report.leave_out(kRemapping, plugin.at());
         continue;
       }
@@ -147,38 +151,39 @@ void SdfMessages::read_plugin(const SdfElement& plugin, std::string_view type, c
   names.where = plugin;
 }
 
-void SdfMessages::add(const SdfElement& sensor, std::string_view type, const SdfPlace& place, bool has_offset,
-                      SdfCommand& command, ImportReport& report) {
+void SdfMessages::add(const SdfElement& sensor, const SdfPlace& place, bool has_offset, SdfCommand& command,
+                      ImportReport& report) {
   Names names{.topics = {}, .frame = first_text(sensor, kOwnFrameTags), .where = sensor};
   if (const std::string topic = sensor.child("topic").text(); !topic.empty()) {
+    const SdfCameraType* const camera = find_sdf_camera_type(sensor.attribute("type"));
     for (const OwnTopic& each : kOwnTopics) {
-      if (sensor.attribute("type") == each.type)
-        names.topics.emplace_back(each.what, resolved("", topic + each.ending));
+      if (camera == nullptr || camera->outputs != each.outputs) continue;
+      names.topics.emplace_back(each.what, resolved("", topic + each.ending));
     }
-    const std::string what = message_of(type, sensor);
+    const std::string what = message_of(command.type(), sensor);
     if (!what.empty()) names.topics.emplace_back(what, resolved("", topic));
     if (what == "scan") names.topics.emplace_back("points", resolved(topic, "points"));
   }
   for (const SdfElement& child : sensor.children()) {
     if (child.tag() != "plugin") continue;
     if (is_publisher(child)) {
-      read_plugin(child, type, place.name, names, report);
+      read_plugin(child, command, place.name, names, report);
     } else {
       report.leave_out("element <plugin>", child.at());
     }
   }
-  write(names, type, place, has_offset, command, report);
+  write(names, place, has_offset, command, report);
 }
 
-void SdfMessages::add_plugin(const SdfElement& plugin, std::string_view type, const SdfPlace& place,
-                             SdfCommand& command, ImportReport& report) {
+void SdfMessages::add_plugin(const SdfElement& plugin, const SdfPlace& place, SdfCommand& command,
+                             ImportReport& report) {
   Names names;
-  read_plugin(plugin, type, place.name, names, report);
-  write(names, type, place, false, command, report);
+  read_plugin(plugin, command, place.name, names, report);
+  write(names, place, false, command, report);
 }
 
-void SdfMessages::write(const Names& names, std::string_view type, const SdfPlace& place, bool has_offset,
-                        SdfCommand& command, ImportReport& report) {
+void SdfMessages::write(const Names& names, const SdfPlace& place, bool has_offset, SdfCommand& command,
+                        ImportReport& report) {
   std::string topics;
   std::set<std::string> kinds;
   for (const auto& [what, topic] : names.topics) {
@@ -193,13 +198,14 @@ void SdfMessages::write(const Names& names, std::string_view type, const SdfPlac
   if (!topics.empty()) command.add("topics", topics);
   std::string frame = names.frame.substr(std::min(names.frame.find_first_not_of('/'), names.frame.size()));
   if (frame.empty()) return;
+  const bool is_camera = command.type() == "camera";
   const bool is_own_link = frame == place.insert_at && !has_offset;
   // The images of a camera have the frame of the sensor with this ending.
   constexpr std::string_view kOptical = "_optical";
-  if (type == "camera" && frame.ends_with("_optical_frame") && !links_.contains(frame)) {
+  if (is_camera && frame.ends_with("_optical_frame") && !links_.contains(frame)) {
     return report.leave_out("an optical frame of a camera whose name does not end in _optical", names.where.at());
   }
-  if (type == "camera" && frame.ends_with(kOptical) && !links_.contains(frame)) {
+  if (is_camera && frame.ends_with(kOptical) && !links_.contains(frame)) {
     frame.erase(frame.size() - kOptical.size());
   }
   const bool is_new = is_own_link || (!links_.contains(frame) && frames_.insert(frame).second);

@@ -5,14 +5,13 @@
 //   the same, ROS 2: <ros> with <namespace> and <remapping> NAME:=TOPIC; camera_name; output_type; frame_name
 //   gz-sim: <topic>, <gz_frame_id>, <ignition_frame_id> of the sensor
 //
-// They become the attributes `topics` and `frame`. A topic that the sensor has by its name is not written. A topic that
-// another sensor of the file has already, a name that ROS 2 does not take, and a frame that is a link other than the
-// sensor's own are reported, and so is any other plug-in.
+// They become the attributes `topics` and `frame`. A topic that the sensor has by its name is not written, nor is one
+// of a message that it does not send. A topic that another sensor of the file has already, a name that ROS 2 does not
+// take, and a frame that is a link other than the sensor's own are reported, and so is any other plug-in.
 #pragma once
 
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,12 +25,10 @@ class SdfMessages {
   /// `links` are the names of the file's links, which have frames of their own.
   explicit SdfMessages(std::set<std::string> links = {}) : links_(std::move(links)) {}
 
-  /// `type` is that of the sensor of the command, which stands at `place` with an offset or without one.
-  void add(const SdfElement& sensor, std::string_view type, const SdfPlace& place, bool has_offset, SdfCommand& command,
-           ImportReport& report);
+  /// The sensor of the command stands at `place` with an offset or without one.
+  void add(const SdfElement& sensor, const SdfPlace& place, bool has_offset, SdfCommand& command, ImportReport& report);
   /// Of a plug-in that is a sensor by itself.
-  void add_plugin(const SdfElement& plugin, std::string_view type, const SdfPlace& place, SdfCommand& command,
-                  ImportReport& report);
+  void add_plugin(const SdfElement& plugin, const SdfPlace& place, SdfCommand& command, ImportReport& report);
 
  private:
   struct Names {
@@ -39,9 +36,8 @@ class SdfMessages {
     std::string frame;
     SdfElement where;
   };
-  void write(const Names& names, std::string_view type, const SdfPlace& place, bool has_offset, SdfCommand& command,
-             ImportReport& report);
-  static void read_plugin(const SdfElement& plugin, std::string_view type, const std::string& sensor, Names& names,
+  void write(const Names& names, const SdfPlace& place, bool has_offset, SdfCommand& command, ImportReport& report);
+  static void read_plugin(const SdfElement& plugin, const SdfCommand& command, const std::string& sensor, Names& names,
                           ImportReport& report);
 
   std::set<std::string> links_, topics_, frames_;

@@ -2,11 +2,11 @@
 #include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
-#include <iterator>
 #include <numbers>
 #include <string_view>
 
 #include <simvis/pose.h>
+#include "import/sdf/sdf_camera_types.h"
 #include "import/sdf/sdf_command.h"
 #include "import/sdf/sdf_labels.h"
 #include "import/sdf/sdf_lens.h"
@@ -200,28 +200,6 @@ SdfCommand scanner_command(const SdfElement& sensor, const SdfPlace& place, cons
   return command;
 }
 
-// The sensors of SDF that are cameras here: their types, and what the camera measures.
-struct CameraType {
-  std::string_view name;
-  const char* type;
-  std::string_view outputs;
-};
-constexpr CameraType kCameraTypes[] = {
-    {"camera", "camera", "color"},
-    {"wideanglecamera", "camera", "color"},
-    {"wide_angle_camera", "camera", "color"},
-    {"depth", "camera", "depth"},
-    {"depth_camera", "camera", "depth"},
-    {"rgbd", "camera", "color depth"},
-    {"rgbd_camera", "camera", "color depth"},
-    {"segmentation", "camera", "semantic instance"},
-    {"segmentation_camera", "camera", "semantic instance"},
-    {"boundingbox", "camera", "color boxes"},
-    {"boundingbox_camera", "camera", "color boxes"},
-    {"thermal", "thermal_camera", "raw16 temperature"},
-    {"thermal_camera", "thermal_camera", "raw16 temperature"},
-};
-
 // What a depth camera of Gazebo classic publishes has colour too.
 bool publishes_color(const SdfElement& sensor) {
   return std::ranges::any_of(sensor.children(), [](const SdfElement& child) {
@@ -233,8 +211,7 @@ bool publishes_color(const SdfElement& sensor) {
 std::optional<SdfCommand> command_of(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
                                      const glm::dmat4& point_from_sensor, ImportReport& report) {
   const std::string type = sensor.attribute("type");
-  const auto* const camera = std::ranges::find(kCameraTypes, type, &CameraType::name);
-  if (camera != std::end(kCameraTypes)) {
+  if (const SdfCameraType* const camera = find_sdf_camera_type(type)) {
     const bool has_color = camera->outputs == "depth" && publishes_color(sensor);
     return pixel_command(sensor, camera->type, has_color ? "color depth" : camera->outputs, type.starts_with("wide"),
                          place, point_from_sensor, report);
@@ -262,7 +239,7 @@ std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const Sd
   }
   const bool has_offset =
       point_from_sensor != glm::dmat4(1) || read_sdf_pose(sensor.child("camera")).matrix != glm::dmat4(1);
-  messages.add(sensor, command->type(), place, has_offset, *command, report);
+  messages.add(sensor, place, has_offset, *command, report);
   return command->text();
 }
 

@@ -132,7 +132,7 @@ class UrdfSensors {
     if (rate_hz > 0) command.add("rate", rate_hz);
     add_settings(plugin, known->type, command);
     report_unread(plugin, known->type);
-    messages_.add_plugin(plugin, known->type, place, command, report_);
+    messages_.add_plugin(plugin, place, command, report_);
     commands_.push_back(command.text());
   }
 

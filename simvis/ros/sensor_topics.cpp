@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,10 +12,12 @@
 #include "elements/command_source.h"
 #include "elements/described_robot.h"
 #include "engine/base/words.h"
+#include "exchange/messages/from_reading.h"
 #include "scenegraph/language/attribute_place.h"
 #include "scenegraph/language/frame_name.h"
 #include "scenegraph/language/topic_name.h"
 #include "simvis/ros/node_name.h"
+#include "simvis/ros/topic_kinds.h"
 
 namespace simvis {
 namespace {
@@ -23,21 +26,7 @@ constexpr std::string_view kTopics = "topics", kIs = ":=", kRest = "*";
 // Topics of the whole simulation.
 constexpr std::string_view kTakenTopics[] = {"/clock",       "/tf",    "/tf_static", "/parameter_events",
                                              "/diagnostics", "/rosout"};
-// What sensors send besides their outputs, also below the names of two views.
-constexpr std::string_view kKinds[] = {"image_raw",
-                                       "camera_info",
-                                       "depth/image_raw",
-                                       "depth/camera_info",
-                                       "depth/millimetres",
-                                       "thermal/image_raw",
-                                       "thermal/camera_info",
-                                       "points",
-                                       "detections",
-                                       "detections_3d",
-                                       "scan",
-                                       "livox",
-                                       "events",
-                                       "pose"};
+// What the topics of two views begin with.
 constexpr std::string_view kViews[] = {"", "left/", "right/"};
 constexpr std::string_view kDescription = "/robot_description", kSimulation = "the simulation";
 
@@ -143,12 +132,20 @@ bool is_taken_by_itself(const BuiltSensor& sensor, const SensorTopics& topics, c
   };
   return std::ranges::any_of(kViews, [&](std::string_view view) {
     const std::string folder(view);
-    return std::ranges::any_of(kKinds, [&](std::string_view kind) { return is_sent(folder + std::string(kind)); }) ||
-           std::ranges::any_of(sensor.outputs, [&](const OutputSpec& each) { return is_sent(folder + each.name); });
+    const auto is_sent_as = [&](std::string_view kind) { return is_sent(folder + std::string(kind)); };
+    return std::ranges::any_of(kTopicKinds, is_sent_as) ||
+           std::ranges::any_of(sensor.outputs, [&](const OutputSpec& each) {
+             const std::optional<ros::ReadingTopic> reading = ros::reading_topic(each.message);
+             return is_sent_as(each.name) || (reading && is_sent_as(reading->topic));
+           });
   });
 }
 
 }  // namespace
+
+bool is_simulation_topic(std::string_view topic) {
+  return std::ranges::count(kTakenTopics, topic) > 0 || topic == kDescription || is_below(topic, kDefaultNode);
+}
 
 void check_message_names(const Command& sensor) {
   if (const CommandAttribute* const topics = sensor.find(kTopics)) read_topics(*topics);

@@ -30,6 +30,9 @@ class SensorTopics {
   std::map<std::string, std::string> named_;
 };
 
+/// Whether a topic belongs to the simulation in each scene, if its node has the default name.
+bool is_simulation_topic(std::string_view topic);
+
 /// Throws InputError if two messages of the scene would have one topic, if an element takes commands on a topic that
 /// the scene itself sends, or if a topic is one of the node with this full name.
 void check_topics(const BuiltScene& scene, std::string_view node);

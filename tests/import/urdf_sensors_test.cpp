@@ -11,6 +11,7 @@
 #include <simvis/simulation.h>
 #include "exchange/messages/types/geometry_types.h"
 #include "exchange/messages/types/sensor_types.h"
+#include "simvis/ros/frame_tree.h"
 #include "simvis/ros/sensor_topics.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/support/error_of.h"
@@ -47,14 +48,17 @@ std::string own_plugin(const std::string& file, const std::string& content) {
 }
 
 /// An attribute of a sensor as written; empty: it has none.
-std::string attribute_of(UrdfScene& scene, const std::string& name, const std::string& attribute) {
-  for (const BuiltSensor& each : scene.built().sensors) {
+std::string attribute_of(const BuiltScene& scene, const std::string& name, const std::string& attribute) {
+  for (const BuiltSensor& each : scene.sensors) {
     if (each.name != name) continue;
     const CommandAttribute* const found = each.command.find(attribute);
     return found == nullptr ? "" : found->value;
   }
   FAIL("there is no sensor " << name);
   return "";
+}
+std::string attribute_of(UrdfScene& scene, const std::string& name, const std::string& attribute) {
+  return attribute_of(scene.built(), name, attribute);
 }
 
 TEST_CASE("each kind of sensor in a <gazebo> block is an ordinary sensor of its link") {
@@ -137,9 +141,12 @@ TEST_CASE("plug-ins name topics and frames") {
        plugin("camera",
               "<ros><namespace>bot</namespace><remapping>cam/image_raw:=picture</remapping></ros>"
               "<camera_name>cam</camera_name>"),
-       "camera_info:=/bot/cam/camera_info depth/image_raw:=/bot/cam/depth/image_raw "
-       "depth/camera_info:=/bot/cam/depth/camera_info image_raw:=/bot/picture",
+       "camera_info:=/bot/cam/camera_info image_raw:=/bot/picture", ""},
+      {"depth_camera", plugin("camera", "<ros/><camera_name>cam</camera_name>"),
+       "image_raw:=/cam/image_raw camera_info:=/cam/camera_info depth/image_raw:=/cam/depth/image_raw "
+       "depth/camera_info:=/cam/depth/camera_info",
        ""},
+      {"segmentation", plugin("camera", "<cameraName>cam</cameraName><imageTopicName>rgb</imageTopicName>"), "", ""},
       // Topics that the sensor has by its name, and others below it.
       {"camera", plugin("camera", "<ros/>"), "", ""},
       {"camera", plugin("camera", "<cameraName>own</cameraName><imageTopicName>rgb/image</imageTopicName>"),
@@ -228,6 +235,9 @@ TEST_CASE("what cannot be taken over is one warning, and the rest is there") {
       {gazebo("scan_link",
               sensor("camera", "c", kCamera + plugin("camera", "<ros><remapping>*:=/a</remapping></ros>"))),
        "a <remapping> of a message that the sensor does not send"},
+      {gazebo("scan_link",
+              sensor("camera", "c", kCamera + plugin("camera", "<ros><remapping>c/points:=/a</remapping></ros>"))),
+       "a <remapping> of a message that the sensor does not send"},
       {gazebo("scan_link", sensor("camera", "c",
                                   kCamera + plugin("camera",
                                                    "<cameraName>x</cameraName>"
@@ -236,6 +246,12 @@ TEST_CASE("what cannot be taken over is one warning, and the rest is there") {
       // Names of others.
       {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<topicName>other/scan</topicName>"))),
        "the topic \"/other/scan\" of the sensor \"s\" belongs to another"},
+      {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<topicName>/tf</topicName>"))),
+       "the topic \"/tf\" of the sensor \"s\" belongs to the simulation"},
+      {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<topicName>/robot_description</topicName>"))),
+       "the topic \"/robot_description\" of the sensor \"s\" belongs to the simulation"},
+      {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<topicName>/simvis/scan</topicName>"))),
+       "the topic \"/simvis/scan\" of the sensor \"s\" belongs to the simulation"},
       {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<frameName>other</frameName>"))),
        "the frame \"other\" of the sensor \"s\" belongs to another"},
       {gazebo("scan_link", sensor("ray", "s", kScan + plugin("laser", "<frameName>ROBOT</frameName>"))),
@@ -253,6 +269,63 @@ TEST_CASE("what cannot be taken over is one warning, and the rest is there") {
   REQUIRE(twice.warnings().size() == 1);
   CHECK(attribute_of(twice, "a", "topics") == "scan:=/scan");
   CHECK(attribute_of(twice, "b", "topics").empty());
+}
+
+TEST_CASE("a frame that a sensor of another file has, or one of its views, is left out with a warning") {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& file, const std::string& name, const std::string& type,
+                         const std::string& frame) {
+    const std::string own = "<frameName>" + frame + "</frameName>";
+    const std::string content = type == "camera" ? kCamera + plugin("camera", own) : kScan + plugin("laser", own);
+    write_text(folder / file, robot(link_xml(name + "_link") + gazebo(name + "_link", sensor(type, name, content))));
+  };
+  struct Case {
+    std::string first, first_frame, second, second_frame, kept;
+  };
+  const std::vector<Case> cases = {{"camera", "eye", "camera", "eye", ""},
+                                   {"ray", "eye", "ray", "eye", ""},
+                                   {"camera", "eye", "ray", "eye_optical", ""},
+                                   {"ray", "eye_optical", "camera", "eye", ""},
+                                   {"ray", "eye", "ray", "eye_optical", "eye_optical"},
+                                   {"ray", "ear", "camera", "eye", "eye"}};
+  for (const Case& each : cases) {
+    CAPTURE(each.first);
+    CAPTURE(each.first_frame);
+    CAPTURE(each.second);
+    CAPTURE(each.second_frame);
+    write("a.urdf", "one", each.first, each.first_frame);
+    write("b.urdf", "two", each.second, each.second_frame);
+    const BuiltScene scene = build_scene(
+        parse_commands("<part file='a.urdf' name='A' insert_at='ROOT'/><part file='b.urdf' name='B' insert_at='ROOT'/>",
+                       "s.xml", folder.path()));
+    CHECK_NOTHROW(FrameTree().follow(scene));
+    CHECK(attribute_of(scene, "two", "frame") == each.kept);
+    REQUIRE(scene.scene.warnings().size() == (each.kept.empty() ? 1 : 0));
+    if (each.kept.empty()) {
+      CHECK(
+          contains(scene.scene.warnings()[0], "the frame " + in_quotes(each.second_frame) + " of the sensor \"two\""));
+    }
+  }
+  // Two sensors may share the frame of their link, but not that of their images.
+  const std::string own = "<frameName>scan_link</frameName>";
+  for (const bool are_cameras : {false, true}) {
+    CAPTURE(are_cameras);
+    UrdfScene scene(kLinks + gazebo("scan_link", sensor("camera", "a", kCamera + plugin("camera", own))) +
+                    gazebo("scan_link", are_cameras ? sensor("camera", "b", kCamera + plugin("camera", own))
+                                                    : sensor("ray", "b", kScan + plugin("laser", own))));
+    CHECK_NOTHROW(FrameTree().follow(scene.built()));
+    CHECK(attribute_of(scene, "a", "frame") == "scan_link");
+    CHECK(attribute_of(scene, "b", "frame") == (are_cameras ? "" : "scan_link"));
+    CHECK(scene.warnings().size() == (are_cameras ? 1 : 0));
+  }
+}
+
+TEST_CASE("names of sensors have no control characters and are not blank") {
+  UrdfScene scene(kLinks + gazebo("scan_link", sensor("imu", "a&#127;b.c", "") + sensor("imu", "/ /", "") +
+                                                   sensor("imu", "//", "")));
+  std::vector<std::string> names;
+  for (const BuiltSensor& each : scene.built().sensors) names.push_back(each.name);
+  CHECK(names == std::vector<std::string>{"a_b_c", "sensor", "sensor_2"});
 }
 
 TEST_CASE("a magnetometer of hector_gazebo_plugins has the field of its declination and inclination") {
