@@ -70,8 +70,10 @@ void JointElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
   value.max = upper_;
   value.rounding = limit_rounding(motion_.revolute);
   value.unit = motion_.revolute ? "deg" : "m";
-  value.full_turn = motion_.revolute && lower_ == -kMaxCoordinate_m && upper_ == kMaxCoordinate_m;
+  value.full_turn = motion_.revolute && !has_limits();
 }
+
+bool JointElement::has_limits() const { return lower_ != -kMaxCoordinate_m || upper_ != kMaxCoordinate_m; }
 
 void JointElement::update(ParameterView values) {
   value_ = values[0];

@@ -58,6 +58,7 @@ class JointElement : public Element, public Stateful {
   /// The effort of its drive, see JointDriver; empty: no physics moves the joint.
   std::optional<double> effort() const { return driver_->effort ? std::optional(driver_->effort()) : std::nullopt; }
   bool slides() const { return !motion_.revolute; }
+  bool has_limits() const;
   /// Takes the value from the driver. One beyond a limit shows the limit.
   void advance(std::int64_t time_ns, std::span<double> values) override;
   void archive(StateArchive& state) override { state(shown_, driver_->current, driver_->was_set); }

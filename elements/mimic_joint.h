@@ -21,11 +21,11 @@ class MimicJointElement : public Element {
   explicit MimicJointElement(const ElementContext& context);
   void update(ParameterView) override {}
 
-  /// Its value is multiplier * that of the element `joint` + offset, in deg or m of each.
+  /// The value is multiplier * value of `leader` + offset. Each value is in deg if its joint turns, in m if it slides.
   struct Law {
     std::string leader;
     double multiplier = 1, offset = 0;
-    bool slides = false;  ///< the joint itself
+    bool slides = false;  ///< whether this joint slides
   };
   const Law& law() const { return law_; }
 

@@ -1,5 +1,6 @@
 #include "scenegraph/motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <utility>
@@ -51,9 +52,10 @@ Twist twist_between(const glm::dmat4& world_from_before, const glm::dmat4& world
 }
 
 void PoseHistory::add(std::int64_t time_ns, const glm::dmat4& world_from_body) {
-  if (count_ > 0 && poses_[0].time_ns == time_ns) {
-    poses_[0].world_from_body = world_from_body;
-    return;
+  // A frame may be made again, and a frame that failed may be followed by an earlier one.
+  for (; count_ > 0 && poses_[0].time_ns >= time_ns; --count_) {
+    poses_[0] = poses_[1];
+    poses_[1] = poses_[2];
   }
   poses_[2] = poses_[1];
   poses_[1] = poses_[0];
@@ -99,6 +101,10 @@ glm::dvec3 matter_velocity_mps(const glm::dmat4& world_from_before, const glm::d
 void PoseHistory::archive(StateArchive& state) {
   state(poses_, count_);
   state.require(count_ <= poses_.size());
+  for (std::size_t i = 0; i < std::min(count_, poses_.size()); ++i) {
+    state.require_past(poses_[i].time_ns);
+    state.require(i == 0 || poses_[i].time_ns < poses_[i - 1].time_ns);
+  }
 }
 
 }  // namespace simvis

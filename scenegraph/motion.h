@@ -39,7 +39,7 @@ glm::dvec3 matter_velocity_mps(const glm::dmat4& world_from_before, const glm::d
 /// The poses of one frame at the last frames of the simulation.
 class PoseHistory {
  public:
-  /// Adds the pose at a later time, or replaces that at the same time.
+  /// Adds the pose at a time, in place of those at the same time and later.
   void add(std::int64_t time_ns, const glm::dmat4& world_from_body);
   /// The next pose is a first one.
   void clear() { count_ = 0; }
@@ -50,7 +50,10 @@ class PoseHistory {
   struct At {
     std::int64_t time_ns = 0;
     glm::dmat4 world_from_body{1.0};
-    void archive(StateArchive& state) { state(time_ns, world_from_body); }
+    void archive(StateArchive& state) {
+      state(time_ns);
+      state.finite(world_from_body);
+    }
   };
   std::array<At, 3> poses_;  // the last one first
   std::size_t count_ = 0;

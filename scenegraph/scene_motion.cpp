@@ -51,19 +51,22 @@ const glm::dmat4& SceneMotion::Track::at(std::int64_t time_ns) const {
 }
 
 void SceneMotion::update(const Flattener& flattener, const DrawList& list, std::int64_t time_ns) {
-  if (times_ns_.empty() || times_ns_.back() != time_ns) times_ns_.push_back(time_ns);
+  // A frame that failed may be followed by an earlier one.
+  const bool goes_back = !times_ns_.empty() && times_ns_.back() > time_ns;
+  while (!times_ns_.empty() && times_ns_.back() >= time_ns) times_ns_.pop_back();
+  times_ns_.push_back(time_ns);
   const bool has_moved = revisions_.transforms != list.revisions.transforms;
   if (!is_matched_ || revisions_.structure != list.revisions.structure) {
     match(flattener, list.world_from_node.size());
     is_matched_ = true;
-  } else if (!has_moved) {
+  } else if (!has_moved && !goes_back) {
     return;
   }
   revisions_ = list.revisions;
   for (std::uint32_t t = 1; t < tracks_.size(); ++t) {
     std::vector<Knot>& knots = tracks_[t].knots;
     const glm::dmat4& matrix = flattener.node_of(t)->matrix();
-    if (!knots.empty() && knots.back().time_ns == time_ns) knots.pop_back();
+    while (!knots.empty() && knots.back().time_ns >= time_ns) knots.pop_back();
     if (knots.empty() || knots.back().parent_from_node != matrix) knots.push_back({time_ns, matrix});
   }
 }
@@ -118,20 +121,23 @@ void SceneMotion::archive(StateArchive& state, const TransformNumbers& numbers) 
   };
   const auto is_there = [&](const Key& key) { return key.first == nullptr || numbers.of(key.first); };
   std::vector<Track> tracks;
-  for (Track& each : tracks_) {
+  for (const Track& each : state.is_reading() ? std::vector<Track>() : tracks_) {
     if (is_there(each.key) && is_there(each.parent_key) && !each.knots.empty()) tracks.push_back(each);
   }
   std::size_t count = tracks.size();
-  state.count(count, 2 * sizeof(std::uint32_t));
+  constexpr std::size_t kKnotSize = sizeof(std::int64_t) + sizeof(glm::dmat4);
+  state.count(count, 3 * sizeof(std::uint64_t) + kKnotSize);
   tracks.resize(count);
   for (Track& each : tracks) {
     archive_key(each.key);
     archive_key(each.parent_key);
     state(each.knots);
     state.require(!each.knots.empty() && std::ranges::is_sorted(each.knots, {}, &Knot::time_ns));
+    for (const Knot& knot : each.knots) state.require_past(knot.time_ns);
   }
   state(times_ns_);
   state.require(std::ranges::is_sorted(times_ns_));
+  for (const std::int64_t time_ns : times_ns_) state.require_past(time_ns);
   if (!state.is_reading()) return;
   tracks_ = std::move(tracks);
   is_matched_ = false;

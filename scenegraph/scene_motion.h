@@ -39,8 +39,8 @@ class TransformNumbers {
 /// matrix. A transform that is new, or that another one has been put in front of, is unknown before that frame.
 class SceneMotion {
  public:
-  /// Follows the flattener's update() of a frame. `time_ns` is later than that of the last call, or the same: the frame
-  /// is then made again.
+  /// Follows the flattener's update() of a frame. If `time_ns` is not later than that of the last calls, those frames
+  /// are made again.
   void update(const Flattener& flattener, const DrawList& list, std::int64_t time_ns);
 
   /// Forgets the frames before this one.
@@ -64,7 +64,10 @@ class SceneMotion {
   struct Knot {
     std::int64_t time_ns = 0;
     glm::dmat4 parent_from_node{1.0};  // from then on
-    void archive(StateArchive& state) { state(time_ns, parent_from_node); }
+    void archive(StateArchive& state) {
+      state(time_ns);
+      state.finite(parent_from_node);
+    }
   };
   struct Track {
     Key key{}, parent_key{};

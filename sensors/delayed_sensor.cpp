@@ -177,7 +177,14 @@ void DelayedSensor::archive(StateArchive& state, State& all) const {
   all.under_way.resize(count);
   for (SharedGiven& each : all.under_way) {
     archive(state, each);
-    state.require(each != nullptr);
+    state.require(each != nullptr && each->arrives_ns >= each->captured_ns);
+  }
+  const auto arrival = [](const SharedGiven& each) { return each->arrives_ns; };
+  state.require(std::ranges::is_sorted(all.under_way, {}, arrival));
+  if (all.under_way.empty()) {
+    state.require_past(all.latest_ns);
+  } else {
+    state.require(all.latest_ns == arrival(all.under_way.back()));
   }
 }
 
@@ -198,6 +205,7 @@ void DelayedSensor::archive(StateArchive& state, SharedGiven& shared) const {
     each.compute = [value] { return value; };
   }
   state(given.captured_ns, given.arrives_ns);
+  state.require_past(given.captured_ns);
   if (!state.is_reading()) return;
   if (given.scan) {
     std::optional<Scan> scan = to_scan(given.measurement);

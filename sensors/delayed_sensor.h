@@ -23,12 +23,12 @@ class DelayedSensor : public Sensor, public Stateful {
  public:
   DelayedSensor(std::unique_ptr<Sensor> sensor, const TimingFaults& faults, const SensorRandom& random);
 
-  /// After cast() of the frame, if the sensor `has_measured` in it. Returns whether a measurement arrives in the frame.
-  /// A frame that is made again gives the same.
+  /// Called in each frame in which the sensor is on, after its cast() if it `has_measured`. Returns whether a
+  /// measurement arrives in the frame. A frame that is made again gives the same.
   bool pass_on(const FrameTime& time, bool has_measured);
   /// In place of pass_on(), in a frame in which the sensor is off: loses what is under way.
   void lose(const FrameTime& time);
-  /// Whether the last of these calls was for a frame that had been tried before.
+  /// Returns true if the last call of pass_on() or lose() was for the same frame as the call before it.
   bool is_made_again() const { return is_made_again_; }
 
   /// The true simulated times of the measurement that has arrived, in seconds; NaN: none has.

@@ -16,8 +16,8 @@ std::string unsaved_state(const Sensor& sensor);
 /// The state of a sensor for which unsaved_state() is empty.
 void archive_state(StateArchive& state, Sensor& sensor);
 
-/// The stamp, the pose and the numbers of a measurement. When it is read, its outputs are described as those of these
-/// names that it has before, and it keeps its calibrations.
+/// Writes or reads the stamp, the pose and the numbers of a measurement. The measurement that is read into keeps its
+/// calibrations and, by name, the descriptions of its outputs.
 void archive_measurement(StateArchive& state, Measurement& measurement);
 
 /// The reading with the columns of `reading` and the numbers of `measurement`, after archive_measurement(). Throws

@@ -41,7 +41,7 @@ class Attachments {
  public:
   void add(Attachment& attachment);
   void remove(Attachment& attachment);
-  /// Returns the attachment between two insertion points, in either order; null if there is none.
+  /// Returns the attachment of `a` to `b` or of `b` to `a`; null if there is none.
   const Attachment* find(const std::string& a, const std::string& b) const;
   /// Bodies have come or gone: the next act() looks for them again.
   void forget_bodies() { is_found_ = false; }
@@ -50,7 +50,7 @@ class Attachments {
   /// Attaches and releases what has changed. Called before the steps of a frame. An attachment whose body has gone
   /// holds nothing.
   void act(DynamicsWorld& world, std::span<DynamicObject* const> objects);
-  /// Which of them hold; see DynamicScene::archive().
+  /// Writes or reads which attachments hold; see DynamicScene::archive().
   void archive(StateArchive& state);
 
  private:

@@ -28,7 +28,8 @@ class BodyElement : public Element, public Stateful, private DynamicObject {
   bool moves_itself() const override { return desc_.kind == BodyKind::dynamic; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
   void archive(StateArchive& state) override {
-    state(desc_.world_from_body, entered_, was_set_, world_from_parent_, from_, to_, written_);
+    state.finite(desc_.world_from_body, world_from_parent_, from_, to_);
+    state(entered_, was_set_, written_);
   }
 
  private:

@@ -104,9 +104,9 @@ void DynamicScene::archive_followed(StateArchive& state) {
     }
     if (!followed.last) followed.last.emplace();
     for (StepMotion::At* const at : {&followed.last->before, &followed.last->after}) {
-      state(at->world_from_body, at->center_m, at->velocity_m_s, at->angular_velocity_rad_s);
+      state.finite(at->world_from_body, at->center_m, at->velocity_m_s, at->angular_velocity_rad_s);
     }
-    state(followed.last->step_s);
+    state.finite(followed.last->step_s);
   }
 }
 

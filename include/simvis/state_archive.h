@@ -36,8 +36,8 @@ class SIMVIS_API StateArchive {
   /// Reads these bytes, which must outlive it.
   explicit StateArchive(std::string_view bytes) : is_reading_(true), unread_(bytes) {}
 
-  /// For a state that goes back to the objects that it is of: require() takes all values, and it has also what saved
-  /// states leave out.
+  /// For a state that is restored into the objects that wrote it: require() accepts all values, and the state also has
+  /// what saved states omit.
   void keep_all() { keeps_all_ = true; }
   bool keeps_all() const { return keeps_all_; }          ///< whether keep_all() was called
   bool is_reading() const { return is_reading_; }        ///< whether values are read

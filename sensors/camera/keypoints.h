@@ -60,7 +60,13 @@ class Keypoints : public ReadingSensor, public Stateful {
 
   SensorNeeds needs() const override { return {.points = desc_.points, .item_moves = is_late()}; }
   void begin(const FrameTime& time) override;
-  void archive(StateArchive& state) override { state(before_ns_, last_ns_); }
+  void archive(StateArchive& state) override {
+    state(before_ns_, last_ns_);
+    for (const std::optional<std::int64_t>& each : {before_ns_, last_ns_}) {
+      if (each) state.require_past(*each);
+    }
+    state.require(!before_ns_ || (last_ns_ && *before_ns_ <= *last_ns_));
+  }
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;

@@ -121,11 +121,53 @@ TEST_CASE("an ackermann drive turns front wheels and forks") {
   CHECK(cart.speed("front_right") == doctest::Approx(turn_rad_s * right_m / kWheelRadius_m).epsilon(kRolling));
 }
 
+TEST_CASE("wheels that a vehicle turns have the efforts of its motors, and joints that nothing turns have none") {
+  Cart cart(kWheels);
+  cart.simulation->set("DRIVE", "left", 3600);  // so fast that they slip, which takes torque
+  cart.simulation->set("DRIVE", "right", 3600);
+  cart.step(2);                          // the first frame is at time 0
+  constexpr double kMaxTorque_n_m = 20;  // of the element
+  const double left = cart.simulation->value("JOINTS", "left_joint.effort_n_m");
+  const double right = cart.simulation->value("JOINTS", "right_joint.effort_n_m");
+  CHECK(left > 0);
+  CHECK(left <= kMaxTorque_n_m);
+  CHECK(right < 0);  // its axis points to the other side
+  CHECK(right >= -kMaxTorque_n_m);
+  CHECK_THROWS_AS(cart.simulation->value("JOINTS", "caster_joint.effort_n_m"), InputError);
+}
+
+TEST_CASE("wheels begin at their first angle again when the simulation restarts") {
+  Cart cart(kWheels);
+  cart.simulation->set("DRIVE", "left", 180);
+  cart.step(5);
+  const double once = cart.joint("left");
+  cart.simulation->set("PHYSICS", "restarts", 1);
+  cart.simulation->set("DRIVE", "left", 0);
+  cart.simulation->set("DRIVE", "right", 0);
+  cart.step(1);
+  CHECK(once > 0.1);
+  // At rest on its wheels, which settle into the floor without turning but for the friction of one step.
+  CHECK(std::abs(cart.joint("left")) <= kSlip);
+}
+
 TEST_CASE("joints that are no wheels are refused with the attribute's place") {
-  const auto refused = [](const std::string& drive) { return error_of([&] { Cart cart(drive); }); };
+  const auto refused = [](const std::string& drive, const std::string& robot_xml = kCart) {
+    const std::string error = error_of([&] { Cart cart(drive, robot_xml); });
+    CAPTURE(error);
+    CHECK(contains(error, "scene.xml:1:" + std::to_string(cart_scene(drive).find(drive) + 1) + ":"));
+    return error;
+  };
+  const std::string limited = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
+  CHECK(contains(
+      refused(
+          "left_joints='left_joint'",
+          link_xml("base", "<visual><origin xyz='0 0 0.2'/><geometry><box size='0.5 0.3 0.1'/></geometry></visual>") +
+              link_xml("left") + joint_xml("left_joint", "revolute", "base", "left", "<axis xyz='0 1 0'/>" + limited)),
+      "joint \"left_joint\" has limits, expected one that turns without end"));
   CHECK(contains(refused("left_joints='lefty'"), "there is no element \"lefty\" of type joint"));
   CHECK(contains(refused("left_joints='caster_joint'"), "does not turn about y of the part \"CART\""));
-  CHECK(contains(refused("left_joints='left_joint' right_joints='left_joint'"), "is moved by another element"));
+  const std::string twice = error_of([] { Cart cart("left_joints='left_joint' right_joints='left_joint'"); });
+  CHECK(contains(twice, "is moved by another element"));
   CHECK(contains(refused("front_left_joints='left_joint'"), "for an ackermann drive"));
 }
 

@@ -102,6 +102,22 @@ double error_m(const glm::dmat4& pose, const RealMatrix& expected) {
   return error;
 }
 
+TEST_CASE("a frame that failed is forgotten if the next one is earlier, whether anything moves in it or not") {
+  for (const Angles& to : {Angles{0.3L, 0.1L}, Angles{}}) {
+    Arm arm({0, 0, 0}), expected({0, 0, 0});
+    for (Arm* const each : {&arm, &expected}) each->frame({}, 0);
+    arm.frame({1.0L, -0.5L}, 4);  // this frame fails
+    const DrawList& list = arm.frame(to, 2);
+    expected.frame(to, 2);
+    CHECK(arm.motion.times_from(0) == std::vector<std::int64_t>{0, 2 * kStep_ns});
+    const auto path = arm.path({0, 2}), expected_path = expected.path({0, 2});
+    REQUIRE((path == nullptr) == (expected_path == nullptr));
+    if (path == nullptr) continue;
+    const glm::dmat4& now = list.world_from_node[list.items[0].transform];
+    CHECK(place_at(*path, -0.5, now) == place_at(*expected_path, -0.5, now));
+  }
+}
+
 TEST_CASE("a hand on two joints moves along them, not on a screw of its own") {
   for (const double away_m : {0.0, 1e6}) {
     for (const Angles& to : {Angles{0.5L, 0}, Angles{0.5L, -1.2L}, Angles{-2.8L, 2.9L}, Angles{1e-7L, 2e-7L}}) {

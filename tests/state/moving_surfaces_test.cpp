@@ -71,6 +71,40 @@ TEST_CASE("a surface that moves goes on to the bit beside a body that sleeps, an
   }
 }
 
+// The joint stands before the physics: its value is restored before the world is made.
+TEST_CASE("a wheel that a vehicle turns goes on to the bit, also if its value has been set and not been taken over") {
+  const std::string xml =
+      "<part name='CAR' insert_at='ROOT' shape='box' size='0.6 0.3 0.2' pose_offset='0 3 0 0 0 0'/>\n"
+      "<part name='WHEEL' insert_at='CAR' pose_offset='0 0.2 0.1 0 0 0'/>\n"
+      "<element type='joint' name='SPIN' insert_at='WHEEL' axis='0 1 0'/>\n" +
+      kPhysics + ground() +
+      "<element type='vehicle' name='DRIVE' insert_at='CAR' mass='10' clearance='0.05' left='90' right='80' "
+      "left_joints='SPIN'/>\n<sensor type='joint_state' name='JOINTS' insert_at='ROOT'/>";
+  for (const std::chrono::nanoseconds last : {kStep / 4, 10 * kStep}) {  // without a step of physics, and with some
+    CAPTURE(last.count());
+    Simulation simulation = Simulation::from_string(xml);
+    for (int i = 0; i < 3; ++i) simulation.step(10 * kStep);
+    simulation.set("SPIN", "value", 1000);
+    simulation.step(last);
+    const std::string state = simulation.save_state();
+    const auto go_on = [](Simulation& each) {
+      std::vector<std::uint64_t> hashes;
+      for (int i = 0; i < 4; ++i) {
+        each.step(3 * kStep / 4);
+        hashes.push_back(measured_hash(each));
+      }
+      return hashes;
+    };
+    const std::vector<std::uint64_t> expected = go_on(simulation);
+    Simulation fresh = Simulation::from_string(xml);
+    for (Simulation* const restored : {&simulation, &fresh}) {
+      restored->restore_state(state);
+      CHECK(restored->save_state() == state);
+      CHECK(go_on(*restored) == expected);
+    }
+  }
+}
+
 TEST_CASE("the effort of a drive is there in a frame between two steps") {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "arm.urdf")

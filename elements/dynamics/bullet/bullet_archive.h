@@ -14,16 +14,16 @@
 
 namespace simvis {
 
-/// Stands for no object in lists of numbers.
+/// The index that means: no object.
 inline constexpr std::uint32_t kNoNumber = std::numeric_limits<std::uint32_t>::max();
 
-/// Returns the place of an object in a list, which has it.
+/// Returns the index of an object in a list that contains it.
 template <typename List, typename Object>
 std::uint32_t number_of(const List& all, const Object* object) {
   return static_cast<std::uint32_t>(std::ranges::find(all, object) - std::begin(all));
 }
 
-/// Whether a list has each number below its size once.
+/// Returns true if `numbers` is a permutation of 0 to size - 1.
 inline bool is_order(const std::vector<std::uint32_t>& numbers) {
   std::vector<bool> is_found(numbers.size());
   for (const std::uint32_t number : numbers) {

@@ -63,7 +63,7 @@ void archive_constraint(StateArchive& state, ConstraintDesc& desc, btTransform& 
 
 }  // namespace
 
-// Of bodies in the order of their ids, then of articulations, base first.
+// Returns the collision objects: bodies by id, then articulations by id, each with its base first.
 std::vector<btCollisionObject*> BulletWorld::objects() const {
   std::vector<btCollisionObject*> all;
   for (const auto& [id, body] : bodies_) all.push_back(body.rigid.get());
@@ -110,7 +110,7 @@ void BulletWorld::archive(StateArchive& state) {
   archive_contacts(state);
 }
 
-// Those that the state does not know stand.
+// Surfaces that the state does not have stop.
 void BulletWorld::archive_surfaces(StateArchive& state) {
   std::map<WorldPart, SurfaceMotion> motions = surface_motions_;
   state(motions);
@@ -168,7 +168,7 @@ void BulletWorld::archive_impulses(StateArchive& state) {
   }
 }
 
-// Bullet takes the last one of a list to the place of one that leaves.
+// Bullet fills the place of an object that is removed with the last one of the list.
 void BulletWorld::archive_orders(StateArchive& state) {
   const std::vector<btCollisionObject*> all = objects();
   btCollisionObjectArray& order = world_->getCollisionObjectArray();

@@ -300,7 +300,7 @@ void BulletWorld::set_surface(const WorldPart& part, const SurfaceMotion& motion
   }
 }
 
-// What touches an articulation is awake, since no articulation sleeps.
+// No articulation sleeps, so bodies that touch one are awake.
 void BulletWorld::wake_touching(const btRigidBody& body) {
   for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);

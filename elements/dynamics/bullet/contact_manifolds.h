@@ -17,7 +17,7 @@ struct MovingSurface {
   btVector3 slide{0, 0, 0};        ///< as ContactPoint::slide
   btVector3 roller_axis{0, 0, 0};  ///< along the surface, of unit length; 0: there are no rollers
 };
-/// Empty: both surfaces stand.
+/// Empty if neither surface moves.
 std::optional<MovingSurface> moving_surface(const btManifoldPoint& point);
 
 class ContactManifolds {

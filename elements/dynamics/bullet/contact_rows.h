@@ -207,16 +207,17 @@ class ContactRows : public Solver {
       for (int k = i; k < i + stride; ++k) visit(rows[k], *found);
     }
   }
-  // The axis of a contact's rollers, as shares of the directions of its two rows of friction.
+  // A contact with rollers: its first row of friction, and the components of the rollers' axis along the directions of
+  // its two rows of friction.
   struct Roller {
     int first_row;
     double along, across;
   };
 
-  // Of a row of a contact, on body a.
+  // Returns the direction of a row's impulse on body a.
   template <typename Row>
   static btVector3 direction_of(const Row& row) {
-    const btVector3& on_a = row.m_contactNormal1;  // zero for a body that stands
+    const btVector3& on_a = row.m_contactNormal1;  // zero for a body that does not move
     return on_a.isZero() ? -row.m_contactNormal2 : on_a;
   }
 

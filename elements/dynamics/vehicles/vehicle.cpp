@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/trigonometric.hpp>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -186,6 +187,7 @@ VehicleElement::~VehicleElement() {
   for (const ShownJoint& each : shown_) {
     each.driver->value = nullptr;
     each.driver->speed = nullptr;
+    each.driver->effort = nullptr;
   }
   dynamic_->remove(*this);
 }
@@ -210,6 +212,9 @@ void VehicleElement::show_wheels(const ElementContext& context) {
                         " of the part " + in_quotes(point) + ", expected one that turns as " +
                         (shown.steers ? "a steered wheel does" : "a wheel does"));
       }
+      if (!shown.steers && joint->has_limits()) {
+        fail_at(at, "joint " + in_quotes(word) + " has limits, expected one that turns without end");
+      }
       const bool is_taken = std::ranges::find(shown_, joint->driver(), &ShownJoint::driver) != shown_.end();
       if (is_taken || joint->driver()->value) {
         fail_at(at, "joint " + in_quotes(word) + " is moved by another element, or named twice");
@@ -227,6 +232,10 @@ void VehicleElement::show_wheels(const ElementContext& context) {
     each.driver->speed = [this, &each]() -> std::optional<double> {
       if (!id) return std::nullopt;
       return dynamic_->is_running() ? each.sign * glm::degrees(dynamic_->world()->joint(*id, each.link).speed) : 0;
+    };
+    each.driver->effort = [this, &each] {
+      return id ? each.sign * dynamic_->world()->joint(*id, each.link).effort
+                : std::numeric_limits<double>::quiet_NaN();
     };
   }
 }

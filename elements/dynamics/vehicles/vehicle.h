@@ -5,7 +5,7 @@
 // Frames      the part's: x forward, z up; the wheels stand on its plane z = 0.
 // Joints      of the part's file may turn as the wheels do, so that cameras see them turn and a sensor joint_state
 //             reports them: left_joints="wheel_left_joint". Physics then writes the values of these elements `joint`.
-//             One that is set turns the wheel on from there.
+//             If the value of such a joint is set, the shown wheel continues from that value.
 // Parameters  x y z (m), roll pitch yaw (deg): as of an element `body`. Differential drive and tracks: left and right,
 //             the speeds of the wheels (deg/s). Ackermann: speed of the rear wheels (deg/s) and steer, the angle of a
 //             wheel in the middle of the front axle (deg, positive to the left). Mecanum: front_left, front_right,
@@ -47,7 +47,9 @@ struct VehicleWheels {
 
 class VehicleElement : public Element, public Stateful, private DynamicObject {
  public:
-  /// Throws InputError: no physics, no part, what body_rows.h says, a parameter of the other drive.
+  /// Throws InputError: no physics, no part, what body_rows.h says, an attribute or a parameter of another drive. Of a
+  /// joint: a name that is no element `joint`, another axis, a part that is off, limits of a wheel's joint, or
+  /// something else that moves it.
   explicit VehicleElement(const ElementContext& context);
   ~VehicleElement() override;
   void update(ParameterView values) override;
@@ -55,11 +57,15 @@ class VehicleElement : public Element, public Stateful, private DynamicObject {
   bool moves_itself() const override { return true; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
   void archive(StateArchive& state) override {
-    state(desc_.world_from_base, entered_, was_set_, world_from_parent_, written_);
-    for (ShownJoint& each : shown_) state(each.first_deg, each.zero_deg);
+    state.finite(desc_.world_from_base, world_from_parent_);
+    state(entered_, was_set_, written_);
+    for (ShownJoint& each : shown_) {
+      state.finite(each.first_deg, each.zero_deg);
+      state(each.driver->was_set);  // again, since a world that is made anew forgets it
+    }
   }
 
-  /// The values of its parameters with which it moves so, as far as its wheels allow.
+  /// Returns the values of its parameters for this command, within the limits of its wheels.
   std::vector<ParameterSetting> settings_of(const VelocityCommand& command) const;
 
  private:

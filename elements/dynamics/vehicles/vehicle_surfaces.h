@@ -29,8 +29,8 @@ struct VehicleSurface {
   double speed_of(const VelocityCommand& command) const;
 };
 
-/// Balls at the corners of a rectangle from `axle_m` to `axle_m` + `wheelbase_m`; the axis of the roller that
-/// touches the floor lies at 45 degrees, across the line from the middle to the corner if the rectangle is a square.
+/// Balls at the corners of a rectangle from x = `axle_m` to `axle_m` + `wheelbase_m`. The roller that touches the floor
+/// has the axis (1, -1, 0) / sqrt(2) at front left and rear right, (1, 1, 0) / sqrt(2) at front right and rear left.
 std::vector<VehicleSurface> mecanum_wheels(double axle_m, double wheelbase_m, double track_m, double radius_m);
 
 /// Three balls on a circle around x = `axle_m`, the first at 60 degrees, the others 120 degrees apart to the left. They

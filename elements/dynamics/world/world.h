@@ -41,7 +41,9 @@ struct SurfaceProperties {
 /// How a surface moves along itself while its shape stays, as that of a belt, a track or a wheel with rollers. In the
 /// frame of the body or link.
 struct SurfaceMotion {
-  glm::dvec3 belt_m_s{0};                   ///< the surface moves at cross(belt_m_s, its outward normal)
+  /// Axis about which the belt turns, a unit vector times m/s: {0, s, 0} carries what lies on top along +x at s. The
+  /// surface moves at cross(belt_m_s, its outward normal).
+  glm::dvec3 belt_m_s{0};
   std::optional<glm::dvec3> roller_axis{};  ///< friction acts along it only, since rollers turn about it; unit length.
                                             ///< None: friction acts along all directions
   bool operator==(const SurfaceMotion&) const = default;
@@ -227,7 +229,8 @@ class DynamicsWorld {
   /// From now on, two parts do not collide.
   virtual void keep_apart(const WorldPart& a, const WorldPart& b) = 0;
 
-  /// The surface of a part moves so from the next step on, until the next call. At first it stands, without rollers.
+  /// Sets how the surface of a part moves from the next step on. Before the first call it does not move and has no
+  /// rollers. A new motion wakes what sleeps on the body.
   virtual void move_surface(const WorldPart& part, const SurfaceMotion& motion) = 0;
 
   /// A dynamic body, or the base of an articulation, stands at this pose and rests; a kinematic body arrives there at
