@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/program_api.h"
+
 namespace simvis {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -43,6 +45,6 @@ class InputFile {
 };
 
 /// Reads all bytes of the file. Throws like InputFile.
-Bytes read_whole_file(const std::filesystem::path& file);
+SIMVIS_PROGRAM_API Bytes read_whole_file(const std::filesystem::path& file);
 
 }  // namespace simvis

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <system_error>
 
 #include <simvis/attributes.h>
+#include "engine/base/input_file.h"
 #include "engine/base/thread_pool.h"
 #include "program/cli/signals.h"
 #include "sensors/laser_scanner/laser_scanner.h"
@@ -74,9 +74,8 @@ std::vector<PackageFolder> given_packages(const Options& options) {
 void restore_state(Simulation& simulation, const std::string& file) {
   if (file.empty()) return;
   in_option("--restore-state " + file, [&] {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw InputError("the file cannot be read, expected one of --save-state");
-    simulation.restore_state(std::string(std::istreambuf_iterator<char>(stream), {}));
+    const Bytes bytes = read_whole_file(file);
+    simulation.restore_state({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   });
 }
 

@@ -52,14 +52,17 @@ std::pair<std::string, std::string> sensor_and_rest(const std::string& text) {
 
 /// The path of a file that the run may write, with its folder made.
 std::filesystem::path new_file(const std::filesystem::path& file, const Options& options) {
-  if (options.no_replace && std::filesystem::exists(file)) {
-    throw InputError(file.string() + " exists, and --no-replace is given, expected another file");
-  }
+  require_replaceable(file, options);
   if (file.has_parent_path()) make_folder(file.parent_path());
   return file;
 }
 
 }  // namespace
+
+void require_replaceable(const std::filesystem::path& file, const Options& options) {
+  if (!options.no_replace || !std::filesystem::exists(file)) return;
+  throw InputError(file.string() + " exists, and --no-replace is given, expected another file");
+}
 
 std::vector<std::unique_ptr<RunOutlet>> simulation_outlets(const Options& options, Simulation& simulation,
                                                            RunReport& report) {

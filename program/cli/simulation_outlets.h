@@ -1,6 +1,7 @@
 // The outlets of a simulation that a run starts and stops: --record-pcap, --udp, --record and --dds.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "program/report/run_report.h"
 
 namespace simvis {
+
+/// Throws InputError if the file is there and --no-replace is given.
+void require_replaceable(const std::filesystem::path& file, const Options& options);
 
 /// Those that the options name; what they have written goes into `report`. The objects outlive them. Errors name the
 /// option.

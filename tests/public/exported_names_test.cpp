@@ -93,6 +93,7 @@ const std::set<std::string> kProgramNames = {
     "read_all_content",
     "read_in_pieces",
     "read_robot_file",
+    "read_whole_file",
     "recorded_variables",
     "refers_to_file",
     "regular_target",

@@ -81,7 +81,13 @@ TEST_CASE("what does not fit is an error of the option, and no file appears") {
   CHECK(contains(wrong.err, "--restore-state " + runs.state() + ": these bytes are no state of a simulation"));
   const ProcessResult missing = runs.run("out", {"--restore-state", runs.state() + "x"});
   CHECK(missing.exit_code == 2);
-  CHECK(contains(missing.err, "the file cannot be read"));
+  CHECK(contains(missing.err, "there is no such file"));
+  const ProcessResult endless = runs.run("out", {"--restore-state", "/dev/zero"});
+  CHECK(endless.exit_code == 2);
+  CHECK(contains(endless.err, "is not a regular file"));
+  const ProcessResult replaced = runs.run("out", {"--save-state", runs.state(), "--no-replace"});
+  CHECK(replaced.exit_code == 2);
+  CHECK(contains(replaced.err, "exists, and --no-replace is given"));
   std::filesystem::remove(runs.state());
   const Runs unsaved("<sensor type='event_camera' name='EVENTS' insert_at='ROOT' width='8' height='8'/>");
   const ProcessResult refused = unsaved.run("out", {"--save-state", unsaved.state()});
