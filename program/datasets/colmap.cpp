@@ -2,8 +2,8 @@
 //
 //   images/CAMERA_000000.png         the views of the cameras with the number of the frame, all in one folder
 //   sparse/0/cameras.txt             "ID PINHOLE width height fx fy cx cy", one for each view
-//   sparse/0/images.txt              "ID qw qx qy qz tx ty tz CAMERA_ID NAME", and a line with its points "x y
-//   POINT_ID" sparse/0/points3D.txt            "ID x y z r g b 0 IMAGE_ID INDEX"
+//   sparse/0/images.txt              "ID qw qx qy qz tx ty tz CAMERA_ID NAME", then its points: "x y POINT_ID ..."
+//   sparse/0/points3D.txt            "ID x y z r g b 0 IMAGE_ID INDEX"
 //
 // Poses    lead from the world to the optical frame (x right, y down, z forward).
 // Pixels   count from the picture's corner, as everywhere in COLMAP.
@@ -11,12 +11,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "engine/base/srgb.h"
 #include "program/datasets/dataset_format.h"
 #include "program/datasets/rigid_text.h"
@@ -28,6 +31,20 @@
 namespace simvis {
 namespace {
 
+/// A surface at the centre of a pixel.
+struct ColmapPoint {
+  double x_m, y_m, z_m;             ///< in the world
+  double column_px, row_px;         ///< of the pixel, from the picture's corner
+  std::array<std::uint8_t, 8> rgb;  ///< as sRGB codes; five zeros follow
+};
+
+/// What one view of a frame adds to the files of the whole.
+struct ColmapView {
+  std::string image_line;    ///< of images.txt
+  std::string kept;          ///< the name of its points
+  std::uint64_t kept_bytes;  ///< of these
+};
+
 class ColmapFormat : public DatasetFormat {
  public:
   void begin(std::span<const DatasetSensor> sensors) override;
@@ -35,6 +52,9 @@ class ColmapFormat : public DatasetFormat {
   std::vector<DatasetFile> whole(std::span<const Record> records) const override;
 
  private:
+  std::string images(std::span<const ColmapView> views) const;  // images.txt
+  std::string points(std::span<const ColmapView> views) const;  // points3D.txt
+
   std::vector<std::string> views_;  // names of the views; camera 1 first
   std::string cameras_;             // cameras.txt
 };
@@ -54,13 +74,13 @@ std::string camera_line(const CameraCalibration& camera, std::size_t id) {
          " " + numbers_text({p.fx_px, p.fy_px, p.cx_px, p.cy_px}) + "\n";
 }
 
-/// Surfaces at the centres of pixels: x y z in the world, the pixel's place, and its colour as sRGB codes.
-Record points_of(const SeenView& view) {
+/// Surfaces at the centres of pixels on an even grid, each a ColmapPoint.
+std::string pack_points(const SeenView& view) {
   const Image &color = *view.color, &depth = *view.depth;
   const Pinhole& p = view.camera.pinhole;
   const double pixels = static_cast<double>(depth.width) * depth.height;
   const auto step = static_cast<std::uint32_t>(std::ceil(std::sqrt(pixels / kPointsPerView)));
-  Record points = Record::array();
+  std::string points;
   for (std::uint32_t row = step / 2; row < depth.height; row += step) {
     for (std::uint32_t column = step / 2; column < depth.width; column += step) {
       const std::size_t pixel = std::size_t{row} * depth.width + column;
@@ -68,12 +88,16 @@ Record points_of(const SeenView& view) {
       if (!std::isfinite(z_m)) continue;
       const glm::dvec4 seen(z_m * (x_px - p.cx_px) / p.fx_px, z_m * (y_px - p.cy_px) / p.fy_px, z_m, 1);
       const glm::dvec4 point = view.world_from_optical * seen;
-      std::array<std::uint8_t, 3> rgb{};
-      srgb_codes(std::span<const float>(&color.pixels[4 * pixel], 4), rgb);
-      points.push_back({point.x, point.y, point.z, x_px, y_px, rgb[0], rgb[1], rgb[2]});
+      ColmapPoint packed{point.x, point.y, point.z, x_px, y_px, {}};
+      srgb_codes(std::span<const float>(&color.pixels[4 * pixel], 4), std::span(packed.rgb).first(3));
+      append_binary(points, packed);
     }
   }
   return points;
+}
+
+std::string points_name(std::size_t camera, std::uint64_t frame) {
+  return std::to_string(camera) + "/" + frame_name(frame) + ".bin";
 }
 
 std::string image_line(const Record& view, std::size_t image) {
@@ -106,41 +130,68 @@ FramePiece ColmapFormat::frame(const DatasetFrame& frame) const {
   Record views = Record::array();
   for (const SeenView& view : views_of(frame.sensors)) {
     const std::string file = view.name + "_" + frame_name(frame.time.index) + ".png";
+    const auto camera = static_cast<std::size_t>(std::ranges::find(views_, view.name) - views_.begin() + 1);
+    std::string points = pack_points(view);
     piece.files.push_back(
         {"images/" + file,
          [color = *view.color, camera = view.camera] { return with_focal_length(encode_png(color), camera); },
          view.color->pixels.size() * sizeof(float)});
-    views.push_back({{"camera", std::ranges::find(views_, view.name) - views_.begin() + 1},
+    views.push_back({{"camera", camera},
                      {"file", file},
                      {"pose", rigid_record(view.world_from_optical)},
-                     {"points", points_of(view)}});
+                     {"points", points.size() / sizeof(ColmapPoint)}});
+    piece.kept.push_back(text_file(points_name(camera, frame.time.index), std::move(points)));
   }
   piece.record["views"] = std::move(views);
   return piece;
 }
 
+std::string ColmapFormat::images(std::span<const ColmapView> views) const {
+  std::string text = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then X Y POINT3D_ID of each point\n";
+  std::size_t id = 0;
+  for (const ColmapView& view : views) {
+    text += view.image_line;
+    const std::string bytes = read_kept(view.kept, view.kept_bytes);
+    for (std::size_t at = 0; at < bytes.size(); at += sizeof(ColmapPoint)) {
+      const auto point = binary_at<ColmapPoint>(bytes, at);
+      text += (at == 0 ? "" : " ") + numbers_text({point.column_px, point.row_px}) + " " + std::to_string(++id);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string ColmapFormat::points(std::span<const ColmapView> views) const {
+  std::string text = "# POINT3D_ID X Y Z R G B ERROR IMAGE_ID POINT2D_IDX\n";
+  std::size_t id = 0, image = 0;
+  for (const ColmapView& view : views) {
+    ++image;
+    const std::string bytes = read_kept(view.kept, view.kept_bytes);
+    for (std::size_t at = 0; at < bytes.size(); at += sizeof(ColmapPoint)) {
+      const auto point = binary_at<ColmapPoint>(bytes, at);
+      const auto code = [&](std::size_t channel) { return static_cast<double>(point.rgb[channel]); };
+      text += std::to_string(++id) + " " +
+              numbers_text({point.x_m, point.y_m, point.z_m, code(0), code(1), code(2), 0}) + " " +
+              std::to_string(image) + " " + std::to_string(at / sizeof(ColmapPoint)) + "\n";
+    }
+  }
+  return text;
+}
+
 std::vector<DatasetFile> ColmapFormat::whole(std::span<const Record> records) const {
-  std::string images = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then X Y POINT3D_ID of each point\n",
-              points = "# POINT3D_ID X Y Z R G B ERROR IMAGE_ID POINT2D_IDX\n";
-  std::size_t image = 0, point = 0;
-  for (const Record& record : records) {
-    for (const Record& view : record.at("views")) {
-      images += image_line(view, ++image);
-      std::size_t index = 0;
-      for (const Record& each : view.at("points")) {
-        const auto number = [&](std::size_t i) { return each.at(i).get<double>(); };
-        const std::string id = std::to_string(++point), x_y = numbers_text({number(3), number(4)});
-        images += (index == 0 ? "" : " ") + x_y + " " + id;
-        points += id + " " + numbers_text({number(0), number(1), number(2), number(5), number(6), number(7), 0}) + " " +
-                  std::to_string(image) + " " + std::to_string(index++) + "\n";
-      }
-      images += "\n";
+  std::vector<ColmapView> views;
+  std::uint64_t bytes = 0;
+  for (std::size_t frame = 0; frame < records.size(); ++frame) {
+    for (const Record& view : records[frame].at("views")) {
+      views.push_back({image_line(view, views.size() + 1), points_name(view.at("camera").get<std::size_t>(), frame),
+                       sizeof(ColmapPoint) * view.at("points").get<std::uint64_t>()});
+      bytes += views.back().kept_bytes;
     }
   }
   std::vector<DatasetFile> files;
   files.push_back(text_file("sparse/0/cameras.txt", cameras_));
-  files.push_back(text_file("sparse/0/images.txt", images));
-  files.push_back(text_file("sparse/0/points3D.txt", points));
+  files.push_back({"sparse/0/images.txt", [this, views] { return images(views); }, bytes});
+  files.push_back({"sparse/0/points3D.txt", [this, views] { return points(views); }, 2 * bytes});
   return files;
 }
 

@@ -81,6 +81,7 @@ std::string jpeg_segment(const std::string& content) {
 }  // namespace
 
 std::string with_focal_length(std::string picture, const CameraCalibration& camera) {
+  if (camera.distortion_model != "plumb_bob") return picture;
   if (picture.starts_with(kPngStart)) picture.insert(kPngHeaderEnd, png_chunk(exif_of(camera)));
   if (picture.starts_with(kJpegStart)) picture.insert(kJpegStartOfImage, jpeg_segment(exif_of(camera)));
   return picture;
