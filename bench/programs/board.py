@@ -32,10 +32,9 @@ def show(folder, width_m, height_m, camera, views=VIEWS):
   <element type="pose" name="BOARD_POSE" insert_at="BOARD"/>
   <sensor type="camera" name="CAM" insert_at="ROOT" width="{WIDTH}" height="{HEIGHT}" {camera}/>""", folder,
                            "--trajectory", folder / "views.csv", "--rate", 10, "--poses", "BOARD")
-    optical = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])  # of x right, y down, z forward
-    front = optical.copy()
+    front = trial.OPTICAL.copy()
     front[0, 3] = -THICKNESS_M / 2
-    return sorted(out.glob("CAM/*.png")), np.linalg.inv(optical) @ trial.rigid(out / "BOARD_poses.tum") @ front
+    return sorted(out.glob("CAM/*.png")), np.linalg.inv(trial.OPTICAL) @ trial.rigid(out / "BOARD_poses.tum") @ front
 
 
 def pinhole(hfov_deg):

@@ -8,7 +8,7 @@ COLUMNS, ROWS, SQUARE_M, SQUARE_PX = 9, 6, 0.04, 100  # inner corners
 
 
 def show(folder, camera):
-    """As board.show. Returns the pictures' files, and of those with the whole board its corners: in metres, and in pixels."""
+    """As board.show. Returns the files of the pictures."""
     picture = np.full(((ROWS + 3) * SQUARE_PX, (COLUMNS + 3) * SQUARE_PX), 255, np.uint8)
     for row in range(ROWS + 1):
         for column in range(row % 2, COLUMNS + 1, 2):
@@ -16,6 +16,11 @@ def show(folder, camera):
             picture[y:y + SQUARE_PX, x:x + SQUARE_PX] = 0
     cv2.imwrite(str(folder / "board.png"), picture)
     files, _ = board.show(folder, (COLUMNS + 3) * SQUARE_M, (ROWS + 3) * SQUARE_M, camera)
+    return files
+
+
+def find(files):
+    """The corners of the pictures with the whole board: in metres, and in pixels."""
     grid = np.zeros((COLUMNS * ROWS, 3), np.float32)
     grid[:, :2] = np.mgrid[0:COLUMNS, 0:ROWS].T.reshape(-1, 2) * SQUARE_M
     seen = []
@@ -24,7 +29,7 @@ def show(folder, camera):
         found, corners = cv2.findChessboardCornersSB(grey, (COLUMNS, ROWS), cv2.CALIB_CB_ACCURACY)
         if found:
             seen.append(corners)
-    return files, [grid] * len(seen), seen
+    return [grid] * len(seen), seen
 
 
 def overlay(file, picture, corners):

@@ -1,4 +1,4 @@
-"""pycocotools: a dataset of an office is read, and scored as detections against itself.
+"""pycocotools: a dataset of an office is read, and its annotations are scored against themselves.
 
 packages: pycocotools==2.0.11 numpy==2.4.6
 """
@@ -34,7 +34,8 @@ def measure(folder):
             scores.append(score.stats[0])
     seconds = time.monotonic() - begin
     return [("annotations", len(areas), "", seconds), ("average precision of boxes", scores[0], "of 1", seconds),
-            ("average precision of masks", scores[1], "of 1", seconds), ("area of a mask, largest", max(areas), "px", seconds)]
+            ("average precision of masks", scores[1], "of 1", seconds),
+            ("difference of areas, largest", max(areas), "px", seconds)]
 
 
 trial.main(measure)

@@ -1,4 +1,4 @@
-"""COLMAP (pycolmap): the poses of a camera on a robot outdoors, from its pictures alone, laid over the truth by a similarity.
+"""COLMAP: a camera's poses on a robot outdoors from pictures alone, aligned with the ground truth by a similarity transform.
 
 packages: pycolmap==4.2.1 numpy==2.4.6
 """

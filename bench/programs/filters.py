@@ -1,4 +1,4 @@
-"""filterpy: an extended Kalman filter and a particle filter of GNSS, gyroscope and wheels on a robot's way indoors.
+"""filterpy: an extended Kalman filter and a particle filter of GNSS and of odometry with noise added here, indoors.
 
 packages: filterpy==2.0.0 numpy==2.4.6 scipy==1.17.1 matplotlib==3.11.2
 """

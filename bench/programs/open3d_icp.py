@@ -2,14 +2,12 @@
 
 packages: open3d==0.20.0 numpy==2.2.6
 """
-import time
-
 import numpy as np
 import open3d
 
 import trial
 
-APART, PASSES_M = 5, (1.0, 0.2)  # frames; largest distances of a correspondence
+PASSES_M = (1.0, 0.2)  # largest distances of a correspondence
 
 
 def align(target, source):
@@ -26,15 +24,13 @@ def prepared(points):
     return cloud
 
 
+def align_all(clouds):
+    clouds = [prepared(points) for points in clouds]
+    return [align(target, source) for target, source in zip(clouds, clouds[1:])]
+
+
 def measure(folder):
-    out, poses = trial.drive_with_scanner(folder, "marvin", 'preset="ouster_os1_32" firing="together"', frames=61)
-    poses, begin = poses[::APART], time.monotonic()
-    clouds = [prepared(trial.cloud(file)) for file in sorted(out.glob("SCANNER/*.bin"))[::APART]]
-    found = [align(target, source) for target, source in zip(clouds, clouds[1:])]
-    seconds = time.monotonic() - begin
-    places, turns = trial.step_errors(np.linalg.inv(poses[:-1]) @ poses[1:], found)
-    return [("place, median of 12 pairs", np.median(places), "m", seconds), ("place, largest", places.max(), "m", seconds),
-            ("attitude, largest", turns.max(), "deg", seconds)]
+    return trial.pair_rows(folder, align_all)
 
 
 trial.main(measure)

@@ -17,10 +17,10 @@ LENS = {"k1": -0.28, "k2": 0.09, "p1": 0.0006, "p2": -0.0004, "k3": -0.01}
 
 
 def measure(folder, supersampling=16, full_well_e=0):
-    begin = time.monotonic()
     lens = " ".join(f'{name}="{value}"' for name, value in LENS.items())
-    files, points, seen = chessboard.show(folder, f"""hfov="{HFOV_DEG}" distortion="brown_conrady" {lens}
+    files = chessboard.show(folder, f"""hfov="{HFOV_DEG}" distortion="brown_conrady" {lens}
           supersampling="{supersampling}" full_well_e="{full_well_e}" """)
+    begin, (points, seen) = time.monotonic(), chessboard.find(files)
     rms_px, matrix, found_lens, *_ = cv2.calibrateCamera(points, seen, (board.WIDTH, board.HEIGHT), None, None)
     seconds, true = time.monotonic() - begin, board.pinhole(HFOV_DEG)
     chessboard.overlay(folder / "picture.png", files[0], seen[0])

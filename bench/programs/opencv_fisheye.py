@@ -15,10 +15,9 @@ FOCAL_PX, LENS = 300, (0.03, -0.008, 0.002, -0.0005)
 
 
 def measure(folder):
-    begin = time.monotonic()
     coefficients = " ".join(f'k{i + 1}="{k}"' for i, k in enumerate(LENS))
-    files, points, seen = chessboard.show(
-        folder, f'distortion="kannala_brandt" fx="{FOCAL_PX}" {coefficients} supersampling="16"')
+    files = chessboard.show(folder, f'distortion="kannala_brandt" fx="{FOCAL_PX}" {coefficients} supersampling="16"')
+    begin, (points, seen) = time.monotonic(), chessboard.find(files)
     shaped = [each.reshape(1, -1, 3).astype(float) for each in points], [each.reshape(1, -1, 2).astype(float) for each in seen]
     rms_px, matrix, lens, *_ = cv2.fisheye.calibrate(
         *shaped, (board.WIDTH, board.HEIGHT), None, None,

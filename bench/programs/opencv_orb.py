@@ -42,8 +42,8 @@ def measure(folder):
     for before, after, depth in zip(features, features[1:], depths):
         poses.append(poses[-1] @ step(before, after, depth))
     seconds = time.monotonic() - begin
-    optical = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
-    true, found = trial.rigid(out / "EYE_AT_poses.tum"), optical @ np.array(poses) @ np.linalg.inv(optical)
+    true = trial.rigid(out / "EYE_AT_poses.tum")
+    found = trial.OPTICAL @ np.array(poses) @ np.linalg.inv(trial.OPTICAL)
     trial.draw_paths(folder / "picture.svg", true, found)
     return trial.path_rows(true, found, seconds)
 

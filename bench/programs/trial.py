@@ -19,6 +19,8 @@ def simvis_run(scene_xml, folder, *arguments):
     return folder / "out"
 
 
+# The optical frame (x right, y down, z forward) in that of a camera (x forward, y left, z up).
+OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
 MAST_M = {"marvin": 1.7, "ravon": 2.3}  # above the robot
 
 
@@ -74,6 +76,33 @@ def step_errors(true_steps, found_steps):
     return np.linalg.norm(off[:, :3, 3], axis=1), np.degrees(np.arccos(np.clip(cosines, -1, 1)))
 
 
+def odometry_rows(folder, program, poses, scanner=""):
+    """Rows about a program's odometry outdoors from the clouds of an Ouster OS1-32 with these further attributes, read from a
+    bag. The program leaves `poses` in the folder."""
+    _, true = drive_with_scanner(folder, "ravon", f'preset="ouster_os1_32" {scanner}', "--record", f"{folder}/bag/")
+    seconds = run_program(program, folder / "bag", "--topic", "/SCANNER/points", cwd=folder)
+    estimated = np.load(folder / poses)
+    draw_paths(folder / "picture.svg", true, estimated)
+    return path_rows(true, estimated, seconds)
+
+
+PAIRS, APART = 12, 5  # pairs of clouds, and the frames from one cloud to the next
+
+
+def pair_rows(folder, align_all):
+    """Rows about pairs of clouds indoors. align_all(clouds) finds the pose of each cloud but the first in the frame of the one
+    before it."""
+    out, poses = drive_with_scanner(folder, "marvin", 'preset="ouster_os1_32" firing="together"', frames=PAIRS * APART + 1)
+    clouds = [cloud(file) for file in sorted(out.glob("SCANNER/*.bin"))[::APART]]
+    poses, begin = poses[::APART], time.monotonic()
+    found = align_all(clouds)
+    seconds = time.monotonic() - begin
+    places, turns = step_errors(np.linalg.inv(poses[:-1]) @ poses[1:], found)
+    return [(f"place, median of {PAIRS} pairs", np.median(places), "m", seconds),
+            ("place, largest", places.max(), "m", seconds),
+            ("attitude, largest", turns.max(), "deg", seconds)]
+
+
 def path_rows(true, estimated, seconds):
     """Rows about an estimated trajectory."""
     place_m, turn_deg = trajectory_error(true, estimated)
@@ -83,7 +112,7 @@ def path_rows(true, estimated, seconds):
 
 
 def draw_paths(file, true, estimated):
-    """The true path in grey and the estimated one in blue, seen from above with x to the right, as SVG."""
+    """The true path in grey and the estimated one in blue, seen from above with x to the right, as SVG with a bar of 1 m."""
     paths = [(np.linalg.inv(poses[0]) @ poses)[:, :2, 3] * (1, -1) for poses in (true, estimated)]
     low, high = np.min(np.concatenate(paths), 0) - 0.5, np.max(np.concatenate(paths), 0) + 0.5
     lines = [f'<polyline fill="none" stroke="{color}" stroke-width="{width}" vector-effect="non-scaling-stroke" points="'
@@ -91,8 +120,11 @@ def draw_paths(file, true, estimated):
              for path, color, width in zip(paths, ("#bbbbbb", "#1060c0"), (6, 1.5))]
     x, y, width, height = *low, *(high - low)
     box = f'x="{x:.3f}" y="{y:.3f}" width="{width:.3f}" height="{height:.3f}"'
+    bar = (f'<path stroke="black" stroke-width="1.5" vector-effect="non-scaling-stroke" '
+           f'd="M{x + 0.1:.3f},{high[1] - 0.15:.3f}h1"/><text x="{x + 1.2:.3f}" y="{high[1] - 0.1:.3f}" '
+           f'font-family="sans-serif" font-size="{0.03 * width:.3f}">1 m</text>')
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{x:.3f} {y:.3f} {width:.3f} {height:.3f}" width="400">'
-    file.write_text("\n".join([head, f'<rect {box} fill="white"/>', *lines, "</svg>"]) + "\n")
+    file.write_text("\n".join([head, f'<rect {box} fill="white"/>', *lines, bar, "</svg>"]) + "\n")
 
 
 def path_length(poses):

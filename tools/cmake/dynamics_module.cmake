@@ -1,5 +1,5 @@
 # The engine of rigid bodies: a module beside the import programs, which the library loads when a scene has physics, so that
-# no other program gets Bullet. Of SimVis it includes elements/dynamics/world/world.h, which has the state of a world as bytes, and nothing else.
+# no other program gets Bullet. Of SimVis it includes elements/dynamics/world/world.h and engine/base/state_archive.h.
 find_library(SIMVIS_HACD HACD-float64)  # of Bullet's extras
 if(NOT bullet_FOUND OR NOT SIMVIS_HACD)
   return()
