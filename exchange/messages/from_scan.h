@@ -27,8 +27,8 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
 /// The channel of the speed along the beam, which clouds have as the float32 field "radial_speed".
 inline constexpr std::string_view kTrueRadialSpeed = "true_radial_speed_mps";
 
-/// When the first beam was sent, below 0 if that was before time 0; the time of the scan if it says nothing of that.
-/// In whole nanoseconds, so that times behind it are not negative.
+/// Returns the time at which the first beam was sent; the time of the scan if it has no channel "time_s". Negative if
+/// that was before time 0. Rounded down to a nanosecond, so that no beam was sent before it.
 std::int64_t first_beam_ns(const Scan& scan);
 
 /// The stamp of messages: that of the first beam. No stamp is before time 0, so a scan that began earlier has stamp 0;
