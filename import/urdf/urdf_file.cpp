@@ -1,156 +1,238 @@
 #include "import/urdf/urdf_file.h"
 
-#include <console_bridge/console.h>
-#include <urdf_parser/urdf_parser.h>
-
 #include <algorithm>
-#include <array>
-#include <exception>
-#include <mutex>
-#include <new>
-#include <set>
-#include <span>
-#include <sstream>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <string_view>
 #include <utility>
-#include <vector>
 
 #include <simvis/attributes.h>
-#include "scenegraph/language/control_characters.h"
+#include "import/model/joint_commands.h"
+#include "import/urdf/urdf_looks.h"
 
 namespace simvis {
 namespace {
 
-// Collects liburdfdom's error messages, which otherwise go to the standard error stream. The process has one message
-// handler, so a mutex is held.
-class UrdfMessages : public console_bridge::OutputHandler {
- public:
-  UrdfMessages() : lock_(mutex()), before_(console_bridge::getOutputHandler()), level_(console_bridge::getLogLevel()) {
-    console_bridge::useOutputHandler(this);
-    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_WARN);
-  }
-  ~UrdfMessages() override {
-    console_bridge::setLogLevel(level_);
-    console_bridge::useOutputHandler(before_);
-  }
-  UrdfMessages(const UrdfMessages&) = delete;
-  UrdfMessages& operator=(const UrdfMessages&) = delete;
-
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level != console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
-    if (!errors_.empty()) errors_ += "; ";
-    errors_ += text;
-  }
-  const std::string& errors() const { return errors_; }
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-  std::lock_guard<std::mutex> lock_;
-  console_bridge::OutputHandler* before_;
-  console_bridge::LogLevel level_;
-  std::string errors_;
+struct JointType {
+  std::string_view name;
+  ModelJoint::Kind kind;
 };
+constexpr JointType kJointTypes[] = {
+    {"fixed", ModelJoint::Kind::fixed},           {"revolute", ModelJoint::Kind::revolute},
+    {"continuous", ModelJoint::Kind::continuous}, {"prismatic", ModelJoint::Kind::prismatic},
+    {"floating", ModelJoint::Kind::floating},     {"planar", ModelJoint::Kind::planar}};
 
-std::vector<pugi::xml_node> all_elements(const pugi::xml_document& document) {
-  std::vector<pugi::xml_node> open{document}, all;
+ModelJoint::Kind kind_of(const UrdfElement& joint) {
+  const std::string type = joint.text("type");
+  const auto* const found = std::ranges::find(kJointTypes, type, &JointType::name);
+  if (found != std::end(kJointTypes)) return found->kind;
+  joint.fail("has the type " + in_quotes(type) +
+             ", expected fixed, revolute, continuous, prismatic, floating or planar");
+}
+
+glm::dvec3 axis_of(const UrdfElement& joint) {
+  const auto [x, y, z] = joint.child("axis").numbers<3>("xyz", {1, 0, 0});
+  const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
+  if (!(largest > 0)) joint.fail("has the axis 0 0 0, expected a vector that is not zero");
+  return glm::normalize(glm::dvec3(x, y, z) / largest);
+}
+
+// The commas between the numbers of vectors become spaces in the document itself, which several read.
+void replace_commas(const XmlText& text, std::vector<std::string>& warnings) {
+  std::vector<pugi::xml_node> open{text.document().document_element()};
+  const std::size_t before = warnings.size();
   while (!open.empty()) {
     const pugi::xml_node node = open.back();
     open.pop_back();
-    if (node.type() == pugi::node_element) all.push_back(node);
-    const std::size_t before = open.size();
-    for (const pugi::xml_node& child : node.children()) open.push_back(child);
-    std::reverse(open.begin() + static_cast<std::ptrdiff_t>(before), open.end());
-  }
-  return all;
-}
-
-std::string mended_text(const XmlText& text) {
-  std::ostringstream out;
-  text.document().save(out, "", pugi::format_raw, pugi::encoding_utf8);
-  return out.str();
-}
-
-// liburdfdom names no place. Only where it refuses a robot, the first attribute that is no numbers is looked for.
-void fail_at_wrong_number(const XmlText& text) {
-  struct Row {
-    std::string_view tag, attribute;
-    std::size_t count;
-  };
-  static constexpr Row kRows[] = {{"origin", "xyz", 3},      {"origin", "rpy", 3},       {"axis", "xyz", 3},
-                                  {"box", "size", 3},        {"sphere", "radius", 1},    {"cylinder", "radius", 1},
-                                  {"cylinder", "length", 1}, {"mesh", "scale", 3},       {"color", "rgba", 4},
-                                  {"limit", "lower", 1},     {"limit", "upper", 1},      {"limit", "effort", 1},
-                                  {"limit", "velocity", 1},  {"mimic", "multiplier", 1}, {"mimic", "offset", 1}};
-  for (const pugi::xml_node& node : all_elements(text.document())) {
-    for (const Row& row : kRows) {
-      const pugi::xml_attribute attribute = node.attribute(std::string(row.attribute).c_str());
-      std::array<double, 4> values{};
-      if (row.tag != node.name() || !attribute ||
-          parse_numbers(attribute.value(), std::span(values).first(row.count))) {
-        continue;
+    for (const char* const name : {"xyz", "rpy", "size", "scale", "rgba"}) {
+      pugi::xml_attribute numbers = node.attribute(name);
+      std::string written = numbers.value();
+      if (written.find(',') == written.npos) continue;
+      if (warnings.size() == before) {
+        warnings.push_back(to_string(text.at(node)) + ": element <" + node.name() +
+                           "> has commas between the numbers of " + name +
+                           "; they are read as spaces, here and in others");
       }
-      fail_at(text.at(node), "element <" + std::string(row.tag) + "> has the attribute " + std::string(row.attribute) +
-                                 "=" + in_quotes(attribute.value()) + ", expected " + std::to_string(row.count) +
-                                 (row.count == 1 ? " finite number" : " finite numbers"));
+      std::ranges::replace(written, ',', ' ');
+      numbers.set_value(written.c_str());
     }
+    for (pugi::xml_node child = node.last_child(); child; child = child.previous_sibling()) open.push_back(child);
   }
 }
 
-std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
-  UrdfMessages messages;
-  std::string reason;
-  try {
-    if (const auto robot = urdf::parseURDF(mended_text(text))) {
-      // After some errors liburdfdom returns a robot without the faulty parts.
-      if (messages.errors().empty()) return robot;
-    }
-    reason = messages.errors();
-  } catch (const std::bad_alloc&) {
-    throw;  // says nothing about the file
-  } catch (const std::exception& error) {
-    reason = messages.errors() + (messages.errors().empty() ? "" : "; ") + error.what();
-  }
-  fail_at_wrong_number(text);
-  fail_at({.file = text.source().file()}, reason.empty() ? "is not a URDF robot" : on_one_line(reason));
-}
+class UrdfReader {
+ public:
+  explicit UrdfReader(XmlText text)
+      : text_(std::make_shared<const XmlText>(std::move(text))), robot_(robot_of(*text_)) {}
 
-// liburdfdom accepts a link with two parent joints, and cycles of links that are not connected to the tree.
-void check_tree(const UrdfFile& file) {
-  std::set<const urdf::Link*> reached;
-  std::vector<const urdf::Link*> open{file.robot->getRoot().get()};
-  while (!open.empty()) {
-    const urdf::Link* link = open.back();
-    open.pop_back();
-    if (!reached.insert(link).second) file.fail("link", link->name, "has two joints above it, expected one");
-    for (const auto& child : link->child_links) open.push_back(child.get());
+  UrdfFile run() {
+    replace_commas(*text_, file_.warnings);
+    read_name();
+    read_links();
+    read_joints();
+    put_in_order();
+    file_.text = text_;
+    return std::move(file_);
   }
-  for (const auto& [name, link] : file.robot->links_) {
-    if (reached.count(link.get()) == 0) file.fail("link", name, "is in a cycle of joints, expected a tree");
+
+ private:
+  static UrdfElement robot_of(const XmlText& text) {
+    const UrdfElement top(text, text.document().document_element());
+    if (top.tag() != std::string_view("robot")) {
+      fail_at(top.where(), "the element <" + std::string(top.tag()) + "> is no robot, expected <robot>");
+    }
+    return top;
   }
-}
+
+  void warn(const UrdfElement& where, const UrdfElement& owner, const std::string& what) {
+    file_.warnings.push_back(to_string(where.where()) + ": " + owner.says(what));
+  }
+
+  void read_name() {
+    const std::string version = robot_.text("version");
+    if (robot_.has("version") && version != "1.0") {
+      robot_.fail("is of version " + in_quotes(version) + ", expected 1.0");
+    }
+    file_.name = robot_.name();
+    if (!file_.name.empty()) return;
+    file_.warnings.push_back(to_string(robot_.where()) + ": the robot has no name");
+    file_.name = "robot";
+  }
+
+  // Names become names of elements and insertion points.
+  static std::string name_of(const UrdfElement& element) {
+    std::string name = element.name();
+    if (name.find_first_not_of(" \t\r\n") == name.npos) element.fail("has an empty name");
+    return name;
+  }
+
+  void read_links() {
+    UrdfLooks looks(robot_, file_.warnings);
+    for (const UrdfElement& each : robot_.children("link")) {
+      std::string name = name_of(each);
+      if (!numbers_.emplace(name, links_.size()).second) each.fail("is there twice, expected links of different names");
+      links_.push_back({std::move(name), each, looks.visuals(each)});
+    }
+    if (links_.empty()) robot_.fail("has no link");
+  }
+
+  std::size_t link_of(const UrdfElement& joint, const char* tag) const {
+    const std::string name = joint.child(tag).text("link");
+    if (name.empty()) joint.fail("has no " + std::string(tag) + " link");
+    const auto found = numbers_.find(name);
+    if (found != numbers_.end()) return found->second;
+    joint.fail("has the " + std::string(tag) + " link " + in_quotes(name) + ", which is not there");
+  }
+
+  void read_joints() {
+    const std::vector<UrdfElement> elements = robot_.children("joint");
+    for (const UrdfElement& each : elements) {
+      const std::string name = name_of(each);
+      if (!joints_.emplace(name, UrdfJoint{{.name = name}, each}).second) {
+        each.fail("is there twice, expected joints of different names");
+      }
+    }
+    for (const UrdfElement& each : elements) joints_.at(each.name()).model = read_joint(each);
+    std::vector<ModelJoint*> all;
+    for (auto& [name, joint] : joints_) all.push_back(&joint.model);
+    resolve_leaders(
+        all, [&](const ModelJoint& joint, const std::string& what) { joints_.at(joint.name).element.fail(what); });
+  }
+
+  ModelJoint read_joint(const UrdfElement& element) {
+    using Kind = ModelJoint::Kind;
+    ModelJoint joint{.kind = kind_of(element), .name = element.name(), .where = element.where()};
+    joint.parent = link_of(element, "parent");
+    joint.child = link_of(element, "child");
+    joint.parent_from_joint = element.origin();
+    if (joint.kind != Kind::fixed && joint.kind != Kind::floating) joint.axis = axis_of(element);
+    if (joint.kind == Kind::revolute || joint.kind == Kind::prismatic) read_limits(element, joint);
+    read_mimic(element, joint);
+    return joint;
+  }
+
+  void read_limits(const UrdfElement& element, ModelJoint& joint) {
+    const UrdfElement limit = element.child("limit");
+    if (!limit) return warn(element, element, "has no limits; it is left open");
+    const double lower = limit.number("lower", 0), upper = limit.number("upper", 0);
+    if (lower > upper) return warn(limit, element, "has a lower limit above its upper one; it is left open");
+    joint.lower = lower;
+    joint.upper = upper;
+  }
+
+  void read_mimic(const UrdfElement& element, ModelJoint& joint) {
+    const UrdfElement mimic = element.child("mimic");
+    if (!mimic) return;
+    if (joint.kind == ModelJoint::Kind::fixed) {
+      return warn(mimic, element, "is fixed and mimics another one; the mimic is ignored");
+    }
+    const std::string leader = mimic.text("joint");
+    if (leader.empty()) mimic.fail("names no joint");
+    if (!joints_.contains(leader)) {
+      return warn(mimic, element, "mimics joint " + in_quotes(leader) + ", which is not there; it moves by itself");
+    }
+    joint.leader = leader;
+    joint.multiplier = mimic.number("multiplier", 1);
+    joint.offset = mimic.number("offset", 0);
+  }
+
+  // The root is the link without a joint above it.
+  std::size_t find_root(const std::vector<const UrdfJoint*>& above) const {
+    std::optional<std::size_t> root;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (above[i] != nullptr) continue;
+      if (root) {
+        links_[i].element.fail("has no joint above it, as link " + in_quotes(links_[*root].name) +
+                               " has none, expected one root");
+      }
+      root = i;
+    }
+    if (!root) robot_.fail("has a joint above each of its links, expected a root");
+    return *root;
+  }
+
+  // Links and joints as UrdfFile has them.
+  void put_in_order() {
+    std::vector<const UrdfJoint*> above(links_.size());
+    std::vector<std::vector<const UrdfJoint*>> below(links_.size());
+    for (const auto& [name, joint] : joints_) {
+      const std::size_t child = joint.model.child;
+      if (above[child] != nullptr) links_[child].element.fail("has two joints above it, expected one");
+      above[child] = &joint;
+      below[joint.model.parent].push_back(&joint);
+    }
+    constexpr std::size_t kNotReached = static_cast<std::size_t>(-1);
+    std::vector<std::size_t> order(links_.size(), kNotReached), open{find_root(above)};
+    while (!open.empty()) {
+      const std::size_t link = open.back();
+      open.pop_back();
+      order[link] = file_.links.size();
+      if (above[link] != nullptr) {
+        UrdfJoint joint = *above[link];
+        joint.model.parent = order[joint.model.parent];
+        joint.model.child = order[link];
+        file_.joints.push_back(std::move(joint));
+      }
+      file_.links.push_back(std::move(links_[link]));
+      for (auto each = below[link].rbegin(); each != below[link].rend(); ++each) open.push_back((*each)->model.child);
+    }
+    const auto lost = std::ranges::find(order, kNotReached);
+    if (lost == order.end()) return;
+    links_[static_cast<std::size_t>(lost - order.begin())].element.fail("is in a cycle of joints, expected a tree");
+  }
+
+  std::shared_ptr<const XmlText> text_;
+  UrdfElement robot_;
+  UrdfFile file_;
+  // As in the file, before they are put in order.
+  std::vector<UrdfLink> links_;
+  std::map<std::string, std::size_t, std::less<>> numbers_;
+  std::map<std::string, UrdfJoint> joints_;
+};
 
 }  // namespace
 
-Location UrdfFile::at(std::string_view tag, std::string_view name) const {
-  const auto found = named.find({std::string(tag), std::string(name)});
-  return found != named.end() ? text.at(found->second) : Location{.file = text.source().file()};
-}
-
-void UrdfFile::fail(std::string_view tag, std::string_view name, const std::string& message) const {
-  fail_at(at(tag, name), std::string(tag) + " " + in_quotes(name) + " " + message);
-}
-
-UrdfFile read_urdf(XmlText text) {
-  UrdfMending mending = mend_urdf(text);
-  std::shared_ptr<const urdf::ModelInterface> robot = parse(text);
-  UrdfFile urdf{std::move(text), std::move(robot), std::move(mending)};
-  for (const pugi::xml_node& node : urdf.text.document().child("robot").children()) {
-    urdf.named.try_emplace({node.name(), node.attribute("name").value()}, node);
-  }
-  check_tree(urdf);
-  return urdf;
-}
+UrdfFile read_urdf(XmlText text) { return UrdfReader(std::move(text)).run(); }
 
 }  // namespace simvis

@@ -1,7 +1,7 @@
 // Imports URDF robots as parts: links become insertion points and visuals, joints become element commands.
 #include <algorithm>
-#include <cmath>
 #include <functional>
+#include <glm/glm.hpp>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -27,53 +27,34 @@
 namespace simvis {
 namespace {
 
-// The names are used for elements and insertion points.
-void check_names(const UrdfFile& file) {
-  const auto check = [&](const char* tag, const std::string& name) {
-    if (name.find_first_not_of(" \t\r\n") == std::string::npos) file.fail(tag, name, "has an empty name");
-  };
-  for (const auto& [name, link] : file.robot->links_) check("link", name);
-  for (const auto& [name, joint] : file.robot->joints_) check("joint", name);
-}
-
-void check_origin(const UrdfFile& file, const char* tag, const std::string& name, const urdf::Pose& pose) {
-  for (const double value : {pose.position.x, pose.position.y, pose.position.z}) {
-    if (!(std::abs(value) <= kMaxCoordinate_m)) {
-      file.fail(tag, name,
-                "has an origin that is not allowed, expected coordinates of at most " +
-                    format_number(kMaxCoordinate_m) + " m either way");
-    }
-  }
+void check_origin(const UrdfElement& owner, const glm::dmat4& matrix) {
+  const glm::dvec3 size = glm::abs(glm::dvec3(matrix[3]));
+  if (std::max({size.x, size.y, size.z}) <= kMaxCoordinate_m) return;
+  owner.fail("has an origin that is not allowed, expected coordinates of at most " + format_number(kMaxCoordinate_m) +
+             " m either way");
 }
 
 // Makes the node of a visual, or null.
-using VisualMaker = std::function<NodePtr(const urdf::Link& link, const urdf::Visual& visual)>;
+using VisualMaker = std::function<NodePtr(const UrdfLink& link, const UrdfVisual& visual)>;
 
 // Each link is a frame within that of its parent link: { joint origin, insertion point, visuals, child links }.
-ModelFrames frames_of(const UrdfSource& source, const VisualMaker& make_visual) {
-  const UrdfFile& file = source.file();
-  struct Pending {
-    const urdf::Link* link;
-    std::size_t parent;
-  };
-  ModelFrames frames(file.robot->getName());
-  std::vector<Pending> open{{file.robot->getRoot().get(), 0}};
-  while (!open.empty()) {
-    const auto [link, parent] = open.back();
-    open.pop_back();
-    ModelStep step{.point = link->name, .object = ObjectKind::link};
-    if (link->parent_joint) {
-      check_origin(file, "joint", link->parent_joint->name, link->parent_joint->parent_to_joint_origin_transform);
-      step.joint = source.joint(link->parent_joint->name);
-      step.place = step.joint->parent_from_joint;
+ModelFrames frames_of(const UrdfFile& file, const VisualMaker& make_visual) {
+  ModelFrames frames(file.name);
+  std::vector<std::size_t> own;  // frames of links
+  for (const UrdfLink& link : file.links) {
+    ModelStep step{.point = link.name, .object = ObjectKind::link};
+    std::size_t parent = 0;
+    if (!own.empty()) {
+      const UrdfJoint& joint = file.joints[own.size() - 1];
+      check_origin(joint.element, joint.model.parent_from_joint);
+      step.joint = joint.model;
+      step.place = joint.model.parent_from_joint;
+      parent = own[joint.model.parent];
     }
-    const std::size_t own = frames.add({.name = link->name, .parent = parent, .steps = {std::move(step)}});
-    for (const auto& visual : link->visual_array) {
-      check_origin(file, "link", link->name, visual->origin);
-      if (NodePtr node = make_visual(*link, *visual)) frames.add_visual(own, std::move(node));
-    }
-    for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
-      open.push_back({child->get(), own});
+    own.push_back(frames.add({.name = link.name, .parent = parent, .steps = {std::move(step)}}));
+    for (const UrdfVisual& visual : link.visuals) {
+      check_origin(link.element, visual.shape.link_from_shape);
+      if (NodePtr node = make_visual(link, visual)) frames.add_visual(own.back(), std::move(node));
     }
   }
   return frames;
@@ -120,8 +101,8 @@ namespace {
 // A visual that is made later, and the group that it belongs into. The link and the visual are those of the source.
 struct PostponedVisual {
   GroupPtr group;
-  const urdf::Link* link;
-  const urdf::Visual* visual;
+  const UrdfLink* link;
+  const UrdfVisual* visual;
 };
 
 // Makes the visuals of a robot. The packages of its meshes are those of the request that has read it.
@@ -130,11 +111,11 @@ class RobotVisuals {
   RobotVisuals(const ImportRequest& request, std::shared_ptr<UrdfSource> source, PackageFiles& packages,
                ContentPool& pool)
       : source_(std::move(source)),
-        visuals_(request, source_->file(), packages, source_->meshes(),
+        visuals_(request, packages, source_->meshes(),
                  request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
 
-  NodePtr make(const urdf::Link& link, const urdf::Visual& visual) { return visuals_.make(link, visual); }
-  void look(const urdf::Link& link, const urdf::Visual& visual) { visuals_.look(link, visual); }
+  NodePtr make(const UrdfLink& link, const UrdfVisual& visual) { return visuals_.make(link, visual); }
+  void look(const UrdfLink& link, const UrdfVisual& visual) { visuals_.look(link, visual); }
   void finish(std::vector<std::string>& warnings) {
     visuals_.require_half();
     source_->set_visual_files(visuals_.release_mesh_files());
@@ -169,10 +150,9 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   const ModelFence fence(request.file);
   const auto source = std::make_shared<UrdfSource>(request, read_urdf(std::move(text)));
   const UrdfFile& file = source->file();
-  check_names(file);
   RobotVisuals visuals(request, source, packages, pool);
   std::vector<PostponedVisual> postponed;
-  const ModelFrames frames = frames_of(*source, [&](const urdf::Link& link, const urdf::Visual& visual) -> NodePtr {
+  const ModelFrames frames = frames_of(file, [&](const UrdfLink& link, const UrdfVisual& visual) -> NodePtr {
     if (!request.postpone_shapes) return visuals.make(link, visual);
     visuals.look(link, visual);
     postponed.push_back({std::make_shared<Group>(), &link, &visual});
@@ -183,7 +163,7 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   ImportReport report;
   std::ranges::move(urdf_sensor_commands(source, request, report), std::back_inserter(content.commands));
   std::ranges::move(report.release(), std::back_inserter(content.warnings));
-  std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
+  std::ranges::copy(file.warnings, std::back_inserter(content.warnings));
   visuals.finish(content.warnings);
   content.model = source;
   if (!postponed.empty()) content.read_shapes = reader_of(request, source, std::move(postponed));

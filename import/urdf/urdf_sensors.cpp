@@ -66,14 +66,14 @@ constexpr ReadTag kReadTags[] = {{"", "updateRate"},
 
 std::set<std::string> links_of(const UrdfFile& file) {
   std::set<std::string> links;
-  for (const auto& [name, link] : file.robot->links_) links.insert(name);
+  for (const UrdfLink& each : file.links) links.insert(each.name);
   return links;
 }
 
 class UrdfSensors {
  public:
   UrdfSensors(const std::shared_ptr<const UrdfSource>& source, const ImportRequest& request, ImportReport& report)
-      : file_{{source, &source->file().text}, PackageFiles(request.file, request.packages), kSdfVersion},
+      : file_{source->file().text, PackageFiles(request.file, request.packages), kSdfVersion},
         links_(links_of(source->file())),
         messages_(links_),
         report_(report) {}

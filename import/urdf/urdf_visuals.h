@@ -27,23 +27,17 @@ namespace simvis {
 /// A visual's material applies to the shapes of its mesh file that have no material. Colours are read as sRGB.
 class UrdfVisuals {
  public:
-  UrdfVisuals(const ImportRequest& request, const UrdfFile& file, PackageFiles& packages, ModelMeshes& meshes,
-              MeshFileAxes axes, ContentPool& pool)
-      : file_(file),
-        packages_(packages),
-        meshes_(meshes),
-        axes_(axes),
-        pool_(pool),
-        shape_meshes_(pool),
-        shown_(request) {}
+  UrdfVisuals(const ImportRequest& request, PackageFiles& packages, ModelMeshes& meshes, MeshFileAxes axes,
+              ContentPool& pool)
+      : packages_(packages), meshes_(meshes), axes_(axes), pool_(pool), shape_meshes_(pool), shown_(request) {}
 
   /// Warns as make() of a visual whose mesh file is missing or of another kind, without reading it.
-  void look(const urdf::Link& link, const urdf::Visual& visual);
+  void look(const UrdfLink& link, const UrdfVisual& visual);
 
   /// A visual whose mesh file is missing, broken or of another kind than COLLADA, OBJ, PLY and STL is left out with a
   /// warning; then, the result is null. A texture that is missing or broken is replaced by the material's colour with a
   /// warning. Throws InputError at the link for sizes that are too large.
-  NodePtr make(const urdf::Link& link, const urdf::Visual& visual);
+  NodePtr make(const UrdfLink& link, const UrdfVisual& visual);
 
   /// As ShownVisuals::require(). Visuals that were looked at count as made.
   void require_half() const { shown_.require(true); }
@@ -53,17 +47,16 @@ class UrdfVisuals {
   std::map<std::string, std::filesystem::path> release_mesh_files() { return std::move(mesh_files_); }
 
  private:
-  std::shared_ptr<const Material> material_of(const urdf::Link& link, const urdf::Visual& visual);
-  bool add_mesh(const urdf::Link& link, const urdf::Mesh& mesh, const std::shared_ptr<const Material>& material,
+  std::shared_ptr<const Material> material_of(const UrdfLink& link, const UrdfVisual& visual);
+  bool add_mesh(const UrdfLink& link, const UrdfVisual& visual, const std::shared_ptr<const Material>& material,
                 Group& group);
-  NodePtr read_mesh(const urdf::Link& link, const std::string& name, const std::shared_ptr<const Material>& material);
-  std::optional<std::filesystem::path> find_mesh(const urdf::Link& link, const std::string& name);
-  void leave_out(const urdf::Link& link, const std::string& why);
-  std::shared_ptr<const Texture> read_texture(const urdf::Link& link, const std::string& name, PictureUse use,
+  NodePtr read_mesh(const UrdfLink& link, const std::string& name, const std::shared_ptr<const Material>& material);
+  std::optional<std::filesystem::path> find_mesh(const UrdfLink& link, const std::string& name);
+  void leave_out(const UrdfLink& link, const std::string& why);
+  std::shared_ptr<const Texture> read_texture(const UrdfLink& link, const std::string& name, PictureUse use,
                                               const glm::vec4& color);
-  std::optional<std::filesystem::path> find(const urdf::Link& link, const std::string& name);
+  std::optional<std::filesystem::path> find(const UrdfLink& link, const std::string& name);
 
-  const UrdfFile& file_;
   PackageFiles& packages_;
   ModelMeshes& meshes_;
   MeshFileAxes axes_;

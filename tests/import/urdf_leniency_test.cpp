@@ -172,6 +172,11 @@ TEST_CASE("materials that are defined nowhere, twice, later or without a name") 
   CHECK(later.warnings().empty());
   CHECK(material_of(later, 0).base_color == glm::vec4(0, 0, 1, 1));
 
+  UrdfScene opaque(link_xml("a", visual_xml(kCube, R"(<material name="m"><color rgba="0 1 0"/></material>)")));
+  CHECK(warnings_of(opaque) ==
+        std::vector<std::string>{"3:80: material \"m\" has a colour of three numbers; it is opaque"});
+  CHECK(material_of(opaque, 0).base_color == glm::vec4(0, 1, 0, 1));
+
   UrdfScene unnamed(link_xml("a", visual_xml(kCube, R"(<material><color rgba="0 1 0 1"/></material>)")));
   CHECK(unnamed.warnings().empty());
   CHECK(material_of(unnamed, 0).base_color == glm::vec4(0, 1, 0, 1));

@@ -225,28 +225,84 @@ TEST_CASE("materials: of a visual, by name for the whole robot, with a picture; 
 TEST_CASE("errors in robots name the place of the joint or link") {
   const std::string two = link_xml("a") + link_xml("b");
   CHECK(contains(error("<link name=\"a\">"), "r.urdf:3:18: malformed XML"));
-  CHECK(contains(error(""), "r.urdf: "));
-  CHECK(contains(error(two), "Two root links found"));
+  CHECK(contains(error(""), "has no link"));
+  CHECK(contains(error(two), "r.urdf:4:2: link \"b\" has no joint above it, as link \"a\" has none"));
   CHECK(contains(error("<link name=\"a\"><visual>\n<origin xyz=\"0 1\"/><geometry><sphere radius=\"1\"/></geometry>"
                        "</visual></link>"),
-                 "element <origin> has the attribute xyz=\"0 1\", expected 3 finite numbers"));
+                 "r.urdf:4:2: origin has xyz \"0 1\", expected 3 finite numbers"));
   CHECK(contains(error("<link name=\"a\"><visual>\n<geometry><sphere radius=\"big\"/></geometry></visual></link>"),
-                 "r.urdf:4:12: element <sphere> has the attribute radius=\"big\", expected 1 finite number"));
+                 "r.urdf:4:12: sphere has radius \"big\", expected 1 finite number"));
   CHECK(contains(error(two + joint_xml("j", "fixed", "a", "b") + joint_xml("k", "fixed", "b", "a")),
-                 "No root link found"));
+                 "has a joint above each of its links, expected a root"));
   CHECK(contains(error(link_xml("r") + two + joint_xml("j", "fixed", "a", "b") + joint_xml("k", "fixed", "b", "a")),
                  "r.urdf:4:2: link \"a\" is in a cycle of joints"));
   CHECK(contains(error(link_xml("c") + two + joint_xml("j", "fixed", "c", "a") + joint_xml("k", "fixed", "c", "b") +
                        joint_xml("l", "fixed", "a", "b")),
                  "link \"b\" has two joints above it"));
-  CHECK(contains(error(two + joint_xml("j", "fixed", "a", "c")), "child link [c] of joint [j] not found"));
-  CHECK(contains(error(two + joint_xml("j", "hinge", "a", "b")), "Joint [j] has no known type [hinge]"));
+  CHECK(contains(error(two + joint_xml("j", "fixed", "a", "c")),
+                 "r.urdf:5:2: joint \"j\" has the child link \"c\", which is not there"));
+  CHECK(contains(
+      error(two + joint_xml("j", "hinge", "a", "b")),
+      "joint \"j\" has the type \"hinge\", expected fixed, revolute, continuous, prismatic, floating or planar"));
   CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<axis xyz="0 0 0"/>)")),
                  "r.urdf:5:2: joint \"j\" has the axis 0 0 0"));
   CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<axis xyz="0 x 0"/>)")),
-                 "element <axis> has the attribute xyz=\"0 x 0\", expected 3 finite numbers"));
+                 "axis has xyz \"0 x 0\", expected 3 finite numbers"));
   CHECK(contains(error(two + joint_xml("j", "continuous", "a", "b", R"(<origin xyz="1e300 0 0"/>)")),
                  "has an origin that is not allowed"));
+}
+
+TEST_CASE("what a robot lacks, or has twice, is told at its place") {
+  const std::string two = link_xml("a") + link_xml("b"), fixed = joint_xml("j", "fixed", "a", "b");
+  const auto looks = [](const std::string& visual) { return link_xml("a", "<visual>" + visual + "</visual>"); };
+  const auto painted = [&](const std::string& rgba) {
+    return looks(R"(<geometry><box size="1 1 1"/></geometry><material name="m"><color rgba=")" + rgba +
+                 "\"/></material>");
+  };
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"<link/>", "3:2: link has an empty name"},
+      {link_xml(" "), "3:2: link \" \" has an empty name"},
+      {two + joint_xml("", "fixed", "a", "b"), "5:2: joint has an empty name"},
+      {link_xml("a") + link_xml("a"), "4:2: link \"a\" is there twice"},
+      {two + fixed + fixed, "6:2: joint \"j\" is there twice"},
+      {two + joint_xml("j", "fixed", "a", ""), "5:2: joint \"j\" has no child link"},
+      {two + joint_xml("j", "fixed", "x", "b"), "5:2: joint \"j\" has the parent link \"x\", which is not there"},
+      {two + joint_xml("j", "fixed", "a", "a"), "3:2: link \"a\" is in a cycle of joints"},
+      {two + joint_xml("j", "", "a", "b"), "5:2: joint \"j\" has the type \"\", expected"},
+      {two + joint_xml("j", "revolute", "a", "b", R"(<limit lower="x"/>)"), "limit has lower \"x\", expected 1 finite"},
+      {two + joint_xml("j", "continuous", "a", "b", "<mimic/>"), "mimic names no joint"},
+      {looks(R"(<origin xyz="1 nan 3"/><geometry><box size="1 1 1"/></geometry>)"), "origin has xyz \"1 nan 3\""},
+      {looks(R"(<origin rpy=""/><geometry><box size="1 1 1"/></geometry>)"), "origin has rpy \"\", expected 3"},
+      {looks("<geometry><box/></geometry>"), "box has size \"\", expected 3 finite numbers"},
+      {looks(R"(<geometry><cylinder radius="1"/></geometry>)"), "cylinder has length \"\", expected 1 finite number"},
+      {painted("2 0 0 1"), "color has rgba \"2 0 0 1\", expected numbers from 0 to 1"},
+      {painted("1 0 0 -1"), "color has rgba \"1 0 0 -1\", expected numbers from 0 to 1"},
+      {painted("1 0"), "color has rgba \"1 0\", expected 4 finite numbers"}};
+  for (const auto& [content, expected] : cases) {
+    CAPTURE(content);
+    CHECK(contains(error(content), expected));
+  }
+  const auto whole = [](const std::string& text) {
+    return error_of([&] {
+      const TemporaryFolder folder;
+      write_text(folder / "r.urdf", text);
+      ContentPool pool;
+      import_part(folder / "r.urdf", pool);
+    });
+  };
+  CHECK(contains(whole("<model/>"), "r.urdf:1:2: error: the element <model> is no robot, expected <robot>"));
+  CHECK(contains(whole("<robot name='r' version='1.1'/>"), "r.urdf:1:2: error: robot \"r\" is of version \"1.1\""));
+}
+
+TEST_CASE("numbers with signs, tabs and line breaks") {
+  UrdfScene scene(link_xml("a",
+                           "<visual><origin xyz=\"+1&#9;-.5&#10;+1e2\"/><geometry><box size=\"1 1 1\"/></geometry>"
+                           "</visual>"));
+  CHECK(scene.place(0)[3] == glm::dvec4(1, -0.5, 100, 1));
+  CHECK(contains(error(link_xml("a",
+                                "<visual><origin xyz=\"+-1 0 0\"/><geometry><box size=\"1 1 1\"/></geometry>"
+                                "</visual>")),
+                 "origin has xyz \"+-1 0 0\""));
 }
 
 TEST_CASE("errors in mimics") {
