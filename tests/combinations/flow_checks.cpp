@@ -7,10 +7,23 @@
 namespace simvis::combined {
 namespace {
 
+// Whether the radius in the image grows up to this tangent of the angle from the axis, by a slope of at least 0.01.
+bool is_before_fold(const SensorDesc& desc, Real tangent) {
+  constexpr int kSteps = 256;
+  for (int i = 1; i <= kSteps; ++i) {
+    const Real r2 = tangent * tangent * i * i / (kSteps * kSteps);
+    const Real slope = 1 + r2 * (3 * desc.lens_k[0] + r2 * (5 * desc.lens_k[1] + r2 * 7 * desc.lens_k[2]));
+    if (slope < Real(0.01L)) return false;
+  }
+  return true;
+}
+
 // The place of a direction of the optical frame. Where a lens ends, its model does not define one.
 void place(const SensorDesc& desc, const Vector& view, FollowedPoint& point) {
   point.at_px = pixel_of_ray(desc, view);
   point.is_defined = view.z >= Real(0.2L) * glm::length(view);
+  if (!point.is_defined || desc.lens != "brown_conrady") return;
+  point.is_defined = is_before_fold(desc, std::hypot(view.x, view.y) / view.z);
 }
 
 Frame motion(const ExactWorld& world, const ExactHit& hit, Real from, Real to) {
