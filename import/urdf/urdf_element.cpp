@@ -9,17 +9,6 @@
 namespace simvis {
 namespace {
 
-// Numbers may have a plus sign, as in all programs that read robots.
-bool parse_signed(std::string_view text, std::span<double> numbers) {
-  const std::vector<std::string_view> words = words_of(text);
-  if (words.size() != numbers.size()) return false;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const bool has_plus = words[i].starts_with('+') && !words[i].starts_with("+-");
-    if (!parse_number(words[i].substr(has_plus ? 1 : 0), numbers[i])) return false;
-  }
-  return true;
-}
-
 glm::dvec3 scale_of(const UrdfElement& mesh) {
   if (has_one_scale(mesh)) return glm::dvec3(mesh.numbers<1>("scale")[0]);
   const auto [x, y, z] = mesh.numbers<3>("scale", {1, 1, 1});
@@ -58,10 +47,21 @@ glm::dmat4 UrdfElement::origin() const {
   return to_matrix({.position_m = {x, y, z}, .roll_rad = roll, .pitch_rad = pitch, .yaw_rad = yaw});
 }
 
-void UrdfElement::read(const char* attribute, std::span<double> numbers) const {
-  if (parse_signed(text(attribute), numbers)) return;
-  fail("has " + std::string(attribute) + " " + in_quotes(text(attribute)) + ", expected " +
-       std::to_string(numbers.size()) + (numbers.size() == 1 ? " finite number" : " finite numbers"));
+// Numbers may have a plus sign, as in all programs that read robots.
+bool UrdfElement::parse(const char* attribute, std::span<double> numbers) const {
+  const std::string written = text(attribute);
+  const std::vector<std::string_view> words = words_of(written);
+  if (words.size() != numbers.size()) return false;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const bool has_plus = words[i].starts_with('+') && !words[i].starts_with("+-");
+    if (!parse_number(words[i].substr(has_plus ? 1 : 0), numbers[i])) return false;
+  }
+  return true;
+}
+
+void UrdfElement::fail_at_numbers(const char* attribute, std::size_t count) const {
+  fail("has " + std::string(attribute) + " " + in_quotes(text(attribute)) + ", expected " + std::to_string(count) +
+       (count == 1 ? " finite number" : " finite numbers"));
 }
 
 bool has_one_scale(const UrdfElement& mesh) { return words_of(mesh.text("scale")).size() == 1; }

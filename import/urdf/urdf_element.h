@@ -40,7 +40,7 @@ class UrdfElement {
   template <std::size_t count>
   std::array<double, count> numbers(const char* attribute) const {
     std::array<double, count> numbers{};
-    read(attribute, numbers);
+    if (!parse(attribute, numbers)) fail_at_numbers(attribute, count);
     return numbers;
   }
   /// Those given if it is missing.
@@ -49,12 +49,14 @@ class UrdfElement {
     return has(attribute) ? numbers<count>(attribute) : absent;
   }
   double number(const char* attribute, double absent) const { return numbers<1>(attribute, {absent})[0]; }
+  /// Whether the attribute is as many numbers; otherwise they are unspecified.
+  bool parse(const char* attribute, std::span<double> numbers) const;
   double not_negative(const char* attribute) const;
   /// The matrix parent_from_child of <origin>; the identity if there is none.
   glm::dmat4 origin() const;
 
  private:
-  void read(const char* attribute, std::span<double> numbers) const;
+  [[noreturn]] void fail_at_numbers(const char* attribute, std::size_t count) const;
 
   const XmlText* text_;
   pugi::xml_node node_;

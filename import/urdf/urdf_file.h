@@ -8,7 +8,7 @@
 //   a lower limit above the upper one, and no limits at all: the joint is open
 //   a material that is defined twice: the first definition counts
 //   a material that is defined nowhere: grey
-//   a colour of three numbers: opaque
+//   a colour of three numbers: opaque; one that is no numbers from 0 to 1: grey
 //   a robot without a name: "robot"
 // What SimVis shows does not need masses, collisions, dynamics, effort and velocity: urdf_dynamics.h reads them.
 #pragma once

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include <simvis/attributes.h>
-#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
@@ -18,19 +18,18 @@ bool is_definition(const UrdfElement& material) {
   return material.child("color").has("rgba") || material.child("texture").has("filename");
 }
 
-bool is_without_alpha(const UrdfElement& color) { return words_of(color.text("rgba")).size() == 3; }
-
-glm::dvec4 read_color(const UrdfElement& color) {
+// A colour, and what it is in place of the one that is written; empty: it is as written.
+struct ReadColor {
+  glm::dvec4 color;
+  std::string instead{};
+};
+ReadColor read_color(const UrdfElement& color) {
   std::array<double, 4> rgba{0, 0, 0, 1};
-  if (is_without_alpha(color)) {
-    std::ranges::copy(color.numbers<3>("rgba"), rgba.begin());
-  } else {
-    rgba = color.numbers<4>("rgba");
-  }
-  if (std::ranges::any_of(rgba, [](double value) { return !(value >= 0 && value <= 1); })) {
-    color.fail("has rgba " + in_quotes(color.text("rgba")) + ", expected numbers from 0 to 1");
-  }
-  return {rgba[0], rgba[1], rgba[2], rgba[3]};
+  const bool has_alpha = color.parse("rgba", rgba);
+  const bool is_color = has_alpha || color.parse("rgba", std::span(rgba).first(3));
+  const bool is_in_range = std::ranges::all_of(rgba, [](double value) { return value >= 0 && value <= 1; });
+  if (!is_color || !is_in_range) return {kGrey, "shown grey"};
+  return {{rgba[0], rgba[1], rgba[2], rgba[3]}, has_alpha ? "" : "opaque"};
 }
 
 std::string reason_to_leave_out(const UrdfElement& written, const ModelShape& shape) {
@@ -65,8 +64,12 @@ UrdfMaterial UrdfLooks::read_definition(const UrdfElement& material) {
   UrdfMaterial read{.name = material.name(), .texture = material.child("texture").text("filename")};
   const UrdfElement color = material.child("color");
   if (!color.has("rgba")) return read;
-  read.color = read_color(color);
-  if (is_without_alpha(color)) warn(color, material, "has a colour of three numbers; it is opaque");
+  const ReadColor found = read_color(color);
+  read.color = found.color;
+  if (!found.instead.empty()) {
+    warn(color, material,
+         "has rgba " + in_quotes(color.text("rgba")) + ", expected four numbers from 0 to 1; it is " + found.instead);
+  }
   return read;
 }
 

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <simvis/pose.h>
@@ -172,14 +173,27 @@ TEST_CASE("materials that are defined nowhere, twice, later or without a name") 
   CHECK(later.warnings().empty());
   CHECK(material_of(later, 0).base_color == glm::vec4(0, 0, 1, 1));
 
-  UrdfScene opaque(link_xml("a", visual_xml(kCube, R"(<material name="m"><color rgba="0 1 0"/></material>)")));
-  CHECK(warnings_of(opaque) ==
-        std::vector<std::string>{"3:80: material \"m\" has a colour of three numbers; it is opaque"});
-  CHECK(material_of(opaque, 0).base_color == glm::vec4(0, 1, 0, 1));
-
   UrdfScene unnamed(link_xml("a", visual_xml(kCube, R"(<material><color rgba="0 1 0 1"/></material>)")));
   CHECK(unnamed.warnings().empty());
   CHECK(material_of(unnamed, 0).base_color == glm::vec4(0, 1, 0, 1));
+}
+
+TEST_CASE("colours of three numbers are opaque, and wrong ones grey") {
+  const float grey = linear_from_srgb(0.5);
+  const std::vector<std::tuple<std::string, std::string, glm::vec4>> cases = {
+      {"0 1 0", "opaque", {0, 1, 0, 1}},
+      {"0.15 0.15 0.15 0 1", "shown grey", {grey, grey, grey, 1}},
+      {"2 0 0 1", "shown grey", {grey, grey, grey, 1}},
+      {"0 0 -1 1", "shown grey", {grey, grey, grey, 1}},
+      {"1 0", "shown grey", {grey, grey, grey, 1}},
+      {"0 nan 0 1", "shown grey", {grey, grey, grey, 1}}};
+  for (const auto& [rgba, instead, color] : cases) {
+    CAPTURE(rgba);
+    UrdfScene scene(link_xml("a", visual_xml(kCube, "<material name=\"m\"><color rgba=\"" + rgba + "\"/></material>")));
+    CHECK(warnings_of(scene) == std::vector<std::string>{"3:84: material \"m\" has rgba \"" + rgba +
+                                                         "\", expected four numbers from 0 to 1; it is " + instead});
+    CHECK(material_of(scene, 0).base_color == color);
+  }
 }
 
 TEST_CASE("a missing, broken or foreign mesh leaves its visual out; a robot without any visual is refused") {
