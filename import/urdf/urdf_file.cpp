@@ -21,7 +21,12 @@ struct JointType {
 constexpr JointType kJointTypes[] = {
     {"fixed", ModelJoint::Kind::fixed},           {"revolute", ModelJoint::Kind::revolute},
     {"continuous", ModelJoint::Kind::continuous}, {"prismatic", ModelJoint::Kind::prismatic},
-    {"floating", ModelJoint::Kind::floating},     {"planar", ModelJoint::Kind::planar}};
+    {"floating", ModelJoint::Kind::floating},     {"planar", ModelJoint::Kind::planar},
+    {"spherical", ModelJoint::Kind::ball}};
+
+bool has_axis(ModelJoint::Kind kind) {
+  return kind != ModelJoint::Kind::fixed && kind != ModelJoint::Kind::floating && kind != ModelJoint::Kind::ball;
+}
 
 ModelJoint::Kind kind_of(const UrdfElement& joint) {
   const std::string type = joint.text("type");
@@ -146,7 +151,10 @@ class UrdfReader {
     joint.parent = link_of(element, "parent");
     joint.child = link_of(element, "child");
     joint.parent_from_joint = element.origin();
-    if (joint.kind != Kind::fixed && joint.kind != Kind::floating) joint.axis = axis_of(element);
+    if (joint.kind == Kind::ball && !std::exchange(has_ball_, true)) {
+      warn(element, element, "is spherical, as only Bullet's robots are; it is a ball joint, here and in others");
+    }
+    if (has_axis(joint.kind)) joint.axis = axis_of(element);
     if (joint.kind == Kind::revolute || joint.kind == Kind::prismatic) read_limits(element, joint);
     read_mimic(element, joint);
     return joint;
@@ -229,6 +237,7 @@ class UrdfReader {
   std::vector<UrdfLink> links_;
   std::map<std::string, std::size_t, std::less<>> numbers_;
   std::map<std::string, UrdfJoint> joints_;
+  bool has_ball_ = false;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 //   a material that is defined twice: the first definition counts
 //   a material that is defined nowhere: grey
 //   a colour of three numbers: opaque; one that is no numbers from 0 to 1: grey
+//   a joint of the type spherical, which only Bullet knows: a ball joint
 //   a robot without a name: "robot"
 // What SimVis shows does not need masses, collisions, dynamics, effort and velocity: urdf_dynamics.h reads them.
 #pragma once

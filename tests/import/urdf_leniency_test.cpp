@@ -132,6 +132,13 @@ TEST_CASE("joints: mimic of a fixed joint, limits the wrong way round or absent"
   CHECK(huge.warnings().empty());
   huge.set("j", -1e6);
 
+  UrdfScene ball(with_joint(joint_xml("j", "spherical", "a", "b")) + link_xml("c") +
+                 joint_xml("k", "spherical", "b", "c"));
+  CHECK(warnings_of(ball) ==
+        std::vector<std::string>{"5:2: joint \"j\" is spherical, as only Bullet's robots are; it is a ball joint, "
+                                 "here and in others"});
+  CHECK(ball.built().parameters.elements().at(0).type == "pose");
+
   UrdfScene absent(with_joint(joint_xml("j", "revolute", "a", "b")));
   CHECK(warnings_of(absent) == std::vector<std::string>{"5:2: joint \"j\" has no limits; it is left open"});
   absent.set("j", 1000);
