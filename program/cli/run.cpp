@@ -69,6 +69,7 @@ void Run::begin_clock() {
 }
 
 bool Run::prepare() {
+  require_replaceable(options_);
   if (options_.writes) {
     files_ = add(std::make_unique<ResultFiles>(options_, simulation_, report_, [this] { update_report(); }));
     if (files_->folder().is_complete()) return false;

@@ -50,18 +50,26 @@ std::pair<std::string, std::string> sensor_and_rest(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-/// The path of a file that the run may write, with its folder made.
-std::filesystem::path new_file(const std::filesystem::path& file, const Options& options) {
-  require_replaceable(file, options);
+std::filesystem::path with_folder(const std::filesystem::path& file) {
   if (file.has_parent_path()) make_folder(file.parent_path());
   return file;
 }
 
 }  // namespace
 
-void require_replaceable(const std::filesystem::path& file, const Options& options) {
-  if (!options.no_replace || !std::filesystem::exists(file)) return;
-  throw InputError(file.string() + " exists, and --no-replace is given, expected another file");
+void require_replaceable(const Options& options) {
+  if (!options.no_replace) return;
+  const auto require = [](const char* option, const std::filesystem::path& file) {
+    if (file.empty() || !std::filesystem::exists(file)) return;
+    in_option(option,
+              [&] { throw InputError(file.string() + " exists, and --no-replace is given, expected another file"); });
+  };
+  for (const std::string& each : options.record_pcap) require("--record-pcap", sensor_and_rest(each).second);
+  require("--record", options.record);
+  require("--export", options.export_file);
+  require("--page", options.page);
+  require("--save-state", options.save_state);
+  require("--profile", options.profile);
 }
 
 std::vector<std::unique_ptr<RunOutlet>> simulation_outlets(const Options& options, Simulation& simulation,
@@ -77,7 +85,7 @@ std::vector<std::unique_ptr<RunOutlet>> simulation_outlets(const Options& option
   for (std::size_t i = 0; i < options.record_pcap.size(); ++i) {
     const auto start = [&, i] {
       const auto [sensor, file] = sensor_and_rest(options.record_pcap[i]);
-      simulation.record_packets({.file = new_file(file, options), .sensor = sensor});
+      simulation.record_packets({.file = with_folder(file), .sensor = sensor});
     };
     add("--record-pcap", start, &Simulation::finish_packet_recording, report.packets[i]);
   }
@@ -90,7 +98,7 @@ std::vector<std::unique_ptr<RunOutlet>> simulation_outlets(const Options& option
   }
   if (!options.record.empty()) {
     const auto start = [&] {
-      simulation.record({.file = new_file(options.record, options),
+      simulation.record({.file = with_folder(options.record),
                          .topics = options.record_topics,
                          .drop = options.record_policy == "drop"});
     };

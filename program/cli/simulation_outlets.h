@@ -1,7 +1,6 @@
 // The outlets of a simulation that a run starts and stops: --record-pcap, --udp, --record and --dds.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -12,8 +11,8 @@
 
 namespace simvis {
 
-/// Throws InputError if the file is there and --no-replace is given.
-void require_replaceable(const std::filesystem::path& file, const Options& options);
+/// Throws InputError with --no-replace if a file or bag is there that the run would write beside its folder.
+void require_replaceable(const Options& options);
 
 /// Those that the options name; what they have written goes into `report`. The objects outlive them. Errors name the
 /// option.

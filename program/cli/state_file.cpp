@@ -4,7 +4,6 @@
 
 #include "engine/base/result_lock.h"
 #include "program/cli/load_scene.h"
-#include "program/cli/simulation_outlets.h"
 #include "program/output/atomic_file.h"
 #include "program/output/new_folders.h"
 
@@ -37,10 +36,7 @@ class StateOutlet : public RunOutlet {
 
 std::unique_ptr<RunOutlet> state_outlet(const Options& options, Simulation& simulation) {
   std::unique_ptr<RunOutlet> outlet;
-  in_option("--save-state", [&] {
-    require_replaceable(options.save_state, options);
-    outlet = std::make_unique<StateOutlet>(options.save_state, simulation);
-  });
+  in_option("--save-state", [&] { outlet = std::make_unique<StateOutlet>(options.save_state, simulation); });
   return outlet;
 }
 

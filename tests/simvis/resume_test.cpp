@@ -9,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/support/error_of.h"
 #include "tests/support/long_count.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/simvis_run.h"
@@ -166,6 +167,19 @@ TEST_CASE("a run replaces the files of the earlier run in its folder, and nothin
   CHECK(refused.exit_code == 2);
   CHECK(refused.err.find("--no-replace: ") != std::string::npos);
   CHECK(fs::exists(out / "CAM/000029.png"));
+
+  // Nothing is written when a file of another option stands there.
+  const fs::path mine = scene.folder / "mine";
+  for (const std::string option : {"--export", "--page", "--save-state", "--profile", "--record", "--record-pcap"}) {
+    CAPTURE(option);
+    const std::string file = mine.string() + (option == "--export" ? ".glb" : option == "--page" ? ".html" : ".mcap");
+    write_text(file, "mine");
+    const ProcessResult kept = scene.run("new", {option, file, "--no-replace"});
+    CHECK(kept.exit_code == 2);
+    CHECK(contains(kept.err, option + ": " + file + " exists, and --no-replace is given, expected another file"));
+    CHECK(read_text(file) == "mine");
+    CHECK(!fs::exists(scene.folder / "new"));
+  }
 
   Strings shorter = {simvis_run(), scene.file, "--frames", "2", "--sensor", "CAM", "--out", out.string()};
   const ProcessResult result = Process(shorter).wait();
