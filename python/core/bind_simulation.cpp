@@ -346,10 +346,9 @@ void bind_sensors(BoundClass<RunningSimulation>& core) {
       .def(
           "_points",
           [](RunningSimulation& self, const std::string& sensor, const std::string& frame, const nb::object& out) {
-            const Measurement last = self.idle().measurement(sensor);
-            const bool has_depth = std::ranges::count(last.arrays, ImageContent::depth, &MeasuredArray::content) > 0;
-            return has_depth ? points_of(self.measurement(sensor), frame, out)
-                             : points_of(self.scan(sensor), frame, out);
+            const KeptMeasurement last = self.measurement(sensor);
+            const bool is_camera = std::ranges::count(last.arrays, OutputKind::image, &MeasuredArray::kind) > 0;
+            return is_camera ? points_of(last, frame, out) : points_of(self.scan(sensor), frame, out);
           },
           "sensor"_a, "frame"_a, "out"_a.none(),
           nb::sig("def _points(self, sensor: str, frame: str, out: typing.Any) -> numpy.typing.NDArray[numpy.float64]"))

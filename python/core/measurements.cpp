@@ -366,9 +366,13 @@ nb::object points_of(const KeptScan& scan, const std::string& frame, const nb::o
 
 nb::object points_of(const KeptMeasurement& camera, const std::string& frame, const nb::object& out) {
   const auto depth = std::ranges::find(camera.arrays, ImageContent::depth, &MeasuredArray::content);
-  const auto points = depth == camera.arrays.end() ? std::nullopt : depth_points(camera, depth->view);
-  if (!points)
+  if (depth == camera.arrays.end()) {
+    throw InputError(in_quotes(camera.sensor) + " has no points, since its outputs have no depth");
+  }
+  const auto points = depth_points(camera, depth->view);
+  if (!points) {
     throw InputError("the lens of " + in_quotes(camera.sensor) + " is not known, so its pixels have no points");
+  }
   return point_array(
       points->size(), [&](std::size_t i) { return (*points)[i]; }, camera.world_from_sensor, frame, out);
 }

@@ -57,6 +57,15 @@ class Arrays(unittest.TestCase):
         np.testing.assert_allclose(out[seen], points[seen] @ pose[:3, :3].T + pose[:3, 3], atol=1e-12)
         self.assertEqual(self.sim["EYES"].points().shape, (8 * 16, 3))
 
+    def test_what_has_no_points_says_why(self) -> None:
+        sim = simvis.Simulation.from_string("<sensor type='camera' name='FLAT' insert_at='ROOT'/>"
+                                            "<sensor type='imu' name='IMU' insert_at='ROOT'/>")
+        sim.step()
+        with self.assertRaisesRegex(simvis.InputError, '"FLAT" has no points, since its outputs have no depth'):
+            sim["FLAT"].points()
+        with self.assertRaisesRegex(simvis.InputError, '"IMU", a imu, has no scan'):
+            sim["IMU"].points()
+
     def test_views_are_read_only_and_cost_no_copy(self) -> None:
         for get in (lambda: self.sim["SCAN"].range_m, lambda: self.sim["EYES"].disparity, lambda: self.sim["CAM"].depth):
             view = get()
