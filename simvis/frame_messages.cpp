@@ -30,7 +30,7 @@ ros::Parameter parameter_message(const Parameters& parameters, std::size_t index
 std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::TopicFilter& topics) {
   std::vector<std::string> warnings;
   for (const std::string& pattern : topics.unmatched()) {
-    warnings.push_back(std::string(outlet) + ": no topic of the first frame matches " + in_quotes(pattern));
+    warnings.push_back(std::string(outlet) + ": no topic has matched " + in_quotes(pattern));
   }
   return warnings;
 }

@@ -27,7 +27,7 @@
 
 namespace simvis {
 
-/// A warning of `outlet` for each pattern that no topic of its first frame has matched.
+/// A warning of `outlet` for each pattern that no topic has matched so far.
 std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::TopicFilter& topics);
 
 /// Throws InputError if frames of this scene have no messages: two sensors would have the same topics, two frames one

@@ -66,12 +66,14 @@ Outlet& open_outlet(SimulationImpl& simulation, const Desc& desc, const char* re
   return opened;
 }
 
-// Ends an outlet and returns its report. If it is not there, throws InputError with `refusal`.
+// Ends an outlet, adds its last warnings and returns its report. If it is not there, throws InputError with `refusal`.
 template <typename Outlet>
 auto close_outlet(SimulationImpl& simulation, const char* refusal) {
   const std::unique_ptr<Outlet> outlet = simulation.idle().outlets.remove<Outlet>();
   if (outlet == nullptr) throw InputError(refusal);
-  return outlet->finish();
+  auto report = outlet->finish();
+  for (const std::string& warning : outlet->take_warnings()) simulation.warn(warning);
+  return report;
 }
 
 // A forked process has none of the threads that would have to end, so it leaves the simulation as it is.

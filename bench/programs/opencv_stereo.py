@@ -1,6 +1,7 @@
 """OpenCV: semi-global matching of a stereo pair in an office, beside the true disparity.
 
 packages: opencv-contrib-python-headless==4.12.0.88 numpy==2.2.6
+authors: 7.64 % beyond 3 px of the pixels that both cameras see, KITTI 2012 by its makers (cvlibs.net, stereo 2012, OCV-SGBM)
 """
 import time
 

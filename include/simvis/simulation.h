@@ -106,11 +106,12 @@ class SIMVIS_API Simulation {
   /// finish_recording() or the end of the simulation. Messages are encoded and written by a thread of its own. The file
   /// appears with the first frame and grows by whole chunks; skipped frames are not in it. If the
   /// file cannot be written, a step throws OutletError and the recording is over. Throws InputError: `desc.file` exists
-  /// and is no MCAP file, two sensors would have the same topics, a recording is under way. A pattern that no topic of
-  /// the first frame matches gives a warning.
+  /// and is no MCAP file, two sensors would have the same topics, a recording is under way.
   void record(const RecordDesc& desc);
-  /// Ends the recording: waits until all messages are written and gives the file its index. Throws MachineError if the
-  /// file cannot be written, InputError if there is no recording. In both cases there is none afterwards.
+  /// Ends the recording: waits until all messages are written and gives the file its index. A pattern that no topic has
+  /// matched gives a warning, unless the recording has no frame. Throws MachineError if the file cannot be written,
+  /// InputError if there is no recording or, with the file complete, for a warning in a strict simulation. In all cases
+  /// there is none afterwards.
   RecordReport finish_recording();
 
   /// Records the data packets that a real laser scanner would send in the next steps, in a capture file (pcap), as
@@ -141,8 +142,8 @@ class SIMVIS_API Simulation {
   /// Throws InputError: no DDS in this build, a wrong value of a variable, no such folder, two sensors with the same
   /// topics, a second call. MachineError: no such domain.
   DdsReach join_dds(const DdsDesc& desc);
-  /// Sends what waits, and leaves. Throws MachineError if nothing could be sent, InputError if join_dds() was not
-  /// called. In both cases the simulation is then outside.
+  /// Sends what waits, and leaves. Warnings and errors are as in finish_recording(). In all cases the simulation is
+  /// then outside.
   DdsReport leave_dds();
 
   /// From now on, what is drawn for people shows this scan as the last one of `sensor`, instead of the sensor's own: in

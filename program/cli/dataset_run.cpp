@@ -89,7 +89,7 @@ std::vector<std::string> enabled(const RunReport& report) {
 
 }  // namespace
 
-DatasetRun::DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation)
+DatasetRun::DatasetRun(const Options& options, const RunReport& report, Simulation& simulation)
     : options_(options), simulation_(simulation) {
   const std::vector<DatasetSensor> sensors = sensors_of(simulation, without_timing_faults(simulation, enabled(report)));
   // All formats take the sensors before the first one claims its folder.
@@ -115,8 +115,9 @@ void DatasetRun::frame(const FrameTime& time) {
   const std::vector<SceneItem> items = simulation_.items();
   const std::vector<SceneObject> objects = simulation_.objects();
   const std::string drawn = drawn_lines(simulation_, time);
+  const DatasetFrame made{time, sensors, items, objects, simulation_.diagnostics().draw_list()};
   for (const std::unique_ptr<DatasetFolder>& folder : folders_) {
-    folder->add({time, sensors, items, objects, simulation_.diagnostics().draw_list()}, drawn);
+    for (const std::string& warning : folder->add(made, drawn)) simulation_.warn(warning);
   }
 }
 

@@ -16,18 +16,19 @@ namespace simvis {
 class DatasetRun : public RunOutlet {
  public:
   /// The objects outlive it. Throws what DatasetFolder throws.
-  DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation);
+  DatasetRun(const Options& options, const RunReport& report, Simulation& simulation);
 
   /// Whether each dataset has the frame.
   bool has(std::uint64_t frame) const;
   bool has_all() const;
+  /// Throws InputError for a warning of a format if the simulation is strict.
   void frame(const FrameTime& time) override;
   /// Writes the files of the wholes that lack no frame, and says so.
   void finish() override;
 
  private:
   const Options& options_;
-  const Simulation& simulation_;
+  Simulation& simulation_;
   std::vector<std::unique_ptr<DatasetFolder>> folders_;  // as Options::datasets
 };
 

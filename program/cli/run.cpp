@@ -181,7 +181,7 @@ void Run::keep(const FrameTime& time, double step_ms) {
   if (report_.frame_ms.added() == 1) first_done_ns_ = now_ns();
 }
 
-void Run::finish() {
+void Run::finish(WarningPrinter& warnings) {
   const bool stopped = received_signal() != nullptr;
   require_memory();
   if (files_ != nullptr) {
@@ -193,6 +193,7 @@ void Run::finish() {
     outlet->finish();
     require_memory();
   }
+  warnings.print_new(simulation_);
   if (report_.frame_ms.added() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";

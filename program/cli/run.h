@@ -34,7 +34,8 @@ class Run {
   bool prepare();
   /// Computes and writes the frames until a signal comes. Resets `loading` after the first frame.
   void make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnings);
-  void finish();
+  /// Prints what outlets warn of at their end.
+  void finish(WarningPrinter& warnings);
   /// After an exception: keeps what is whole and says in the report that the run failed, if that is still possible.
   void fail();
   const RunReport& report() const { return report_; }

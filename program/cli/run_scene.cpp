@@ -108,7 +108,7 @@ int run_scene(Options options, std::int64_t start_ns) {
   try {
     run.make_frames(loading, warnings);
     loading.reset();
-    run.finish();
+    run.finish(warnings);
   } catch (...) {
     run.fail();
     throw;

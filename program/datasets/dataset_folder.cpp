@@ -140,9 +140,9 @@ void DatasetFolder::put(DatasetFile file) {
 }
 
 // The record comes last in the queue, which writes in order.
-void DatasetFolder::add(const DatasetFrame& frame, const std::string& drawn) {
+std::vector<std::string> DatasetFolder::add(const DatasetFrame& frame, const std::string& drawn) {
   const std::uint64_t number = frame.time.index;
-  if (has(number)) return;
+  if (has(number)) return {};
   FramePiece piece = format_->frame(frame);
   for (DatasetFile& file : piece.files) put(std::move(file));
   const std::string folder = std::string(kOwnFolder) + "/";
@@ -156,6 +156,7 @@ void DatasetFolder::add(const DatasetFrame& frame, const std::string& drawn) {
   piece.record["drawn"] = drawn;
   put(text_file(folder + record_name(number), piece.record.dump() + "\n"));
   has_[number] = true;
+  return std::move(piece.warnings);
 }
 
 bool DatasetFolder::finish() {

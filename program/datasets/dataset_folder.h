@@ -51,8 +51,8 @@ class DatasetFolder {
   bool has(std::uint64_t frame) const { return frame < has_.size() && has_[frame]; }
   bool has_all() const;
 
-  /// Adds a frame. `drawn` are its lines of randomized.csv.
-  void add(const DatasetFrame& frame, const std::string& drawn);
+  /// Adds a frame. `drawn` are its lines of randomized.csv. Returns FramePiece::warnings.
+  std::vector<std::string> add(const DatasetFrame& frame, const std::string& drawn);
   /// Waits until all files are written. If no frame is missing, writes the files of the whole and returns true.
   bool finish();
 

@@ -58,6 +58,8 @@ using Record = nlohmann::ordered_json;
 struct FramePiece {
   std::vector<DatasetFile> files{};
   Record record{};
+  /// What readers of the format cannot use of the frame. The same cause has the same text in all frames.
+  std::vector<std::string> warnings{};
   /// Bytes that are too many for the record. whole() reads them by read_kept(); they are no files of the dataset.
   std::vector<DatasetFile> kept{};
 };

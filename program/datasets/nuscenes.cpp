@@ -144,6 +144,59 @@ Record things_record(const DatasetFrame& frame, const std::map<std::uint32_t, Se
   return things;
 }
 
+/// Classes of nuScenes: those that nuscenes-devkit 1.2.0 has a color for, in nuscenes/utils/color_map.py.
+constexpr std::string_view kColoredClasses[] = {"animal",
+                                                "flat.driveable_surface",
+                                                "flat.other",
+                                                "flat.sidewalk",
+                                                "flat.terrain",
+                                                "human.pedestrian.adult",
+                                                "human.pedestrian.child",
+                                                "human.pedestrian.construction_worker",
+                                                "human.pedestrian.personal_mobility",
+                                                "human.pedestrian.police_officer",
+                                                "human.pedestrian.stroller",
+                                                "human.pedestrian.wheelchair",
+                                                "movable_object.barrier",
+                                                "movable_object.debris",
+                                                "movable_object.pushable_pullable",
+                                                "movable_object.trafficcone",
+                                                "noise",
+                                                "static.manmade",
+                                                "static.other",
+                                                "static.vegetation",
+                                                "static_object.bicycle_rack",
+                                                "vehicle.bicycle",
+                                                "vehicle.bus.bendy",
+                                                "vehicle.bus.rigid",
+                                                "vehicle.car",
+                                                "vehicle.construction",
+                                                "vehicle.ego",
+                                                "vehicle.emergency.ambulance",
+                                                "vehicle.emergency.police",
+                                                "vehicle.motorcycle",
+                                                "vehicle.trailer",
+                                                "vehicle.truck"};
+
+std::string listed(const auto& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + std::string(name);
+  return all;
+}
+
+/// A warning of the classes of boxes that the devkit cannot draw; none if it can draw all.
+std::vector<std::string> warnings_of_colors(const DatasetFrame& frame) {
+  std::set<std::string> unknown;
+  for (const SceneObject& object : frame.objects) {
+    if (has_box(object, frame.list) && std::ranges::count(kColoredClasses, object.label) == 0)
+      unknown.insert(object.label);
+  }
+  if (unknown.empty()) return {};
+  return {"--dataset nuscenes: nuscenes-devkit has no color for the classes " + listed(unknown) +
+          ", and a KeyError ends the drawing of their boxes; expected classes of nuScenes (" + listed(kColoredClasses) +
+          "), or colors for all classes, given to it as NuScenes(colormap=...)"};
+}
+
 /// One frame's files and the records of its sensors.
 class FrameParts {
  public:
@@ -412,6 +465,7 @@ FramePiece NuscenesFormat::frame(const DatasetFrame& frame) const {
   }
   piece.record["things"] = is_key ? things_record(frame, parts.seen(), knows_visibility) : Record::array();
   piece.record["classes"] = classes_record(frame.items);
+  piece.warnings = warnings_of_colors(frame);
   return piece;
 }
 

@@ -217,7 +217,7 @@ void Network::frame(const Frame& frame) {
     }});
   }
   said_.clear();
-  if (!std::exchange(sent_a_frame_, true)) warnings_ = unmatched_warnings(name(), topics_);
+  has_sent_frame_ = true;
   warn_of_namesake();
 }
 
@@ -234,6 +234,9 @@ void Network::warn_of_namesake() {
 DdsReport Network::finish() {
   messages_.add_paths();
   recorder_.finish();
+  if (has_sent_frame_) {
+    for (std::string& warning : unmatched_warnings(name(), topics_)) warnings_.push_back(std::move(warning));
+  }
   return {.messages = recorder_.messages(),
           .dropped = dropped_,
           .bytes = recorder_.bytes(),

@@ -66,10 +66,8 @@ bool Recording::add(ros::MessageJob job) {
 }
 
 void Recording::frame(const Frame& frame) {
-  const bool first = !recorder_;
-  if (first) recorder_.emplace(make_sink());
+  if (!recorder_) recorder_.emplace(make_sink());
   messages_.add_frame(frame);
-  if (first) warnings_ = unmatched_warnings(name(), topics_);
 }
 
 std::unique_ptr<ros::RecorderSink> Recording::make_sink() const {
@@ -81,6 +79,7 @@ RecordReport Recording::finish() {
   if (!recorder_) return {.file = desc_.file};
   messages_.add_paths();
   recorder_->finish();
+  warnings_ = unmatched_warnings(name(), topics_);
   return {.file = desc_.file, .messages = recorder_->messages(), .dropped = dropped_, .bytes = recorder_->bytes()};
 }
 

@@ -31,7 +31,7 @@ class Recording : public FrameOutlet, private ros::MessageOutlet {
   std::string_view stage() const override { return "record"; }
   /// Creates the file with the first frame. Throws MachineError of the file, also of earlier frames.
   void frame(const Frame& frame) override;
-  /// The patterns of RecordDesc::topics that no topic of the first frame has matched.
+  /// After finish(): the patterns of RecordDesc::topics that no topic has matched.
   std::vector<std::string> take_warnings() override { return std::exchange(warnings_, {}); }
   /// Writes what waits and the end of the file. Throws MachineError.
   RecordReport finish();

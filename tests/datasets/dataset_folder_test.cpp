@@ -324,6 +324,46 @@ TEST_CASE("frames in which some sensors measure are sweeps of nuScenes, and EuRo
   CHECK(read_text(folder / "euroc/mav0/imu0/sensor.yaml").find("rate_hz: 20\n") != std::string::npos);
 }
 
+// A class is one of nuScenes, or the devkit has no color for it.
+TEST_CASE("classes that nuscenes-devkit cannot draw are one warning in the first frame that has them") {
+  struct ClassCase {
+    std::string format, chair, table, ball;
+    Strings unknown;
+  };
+  const std::vector<ClassCase> cases = {{"nuscenes", "chair", "table", "ball", {"ball", "chair", "table"}},
+                                        {"nuscenes", "vehicle.car", "table", "animal", {"table"}},
+                                        {"nuscenes", "vehicle.car", "human.pedestrian.adult", "noise", {}},
+                                        {"coco", "chair", "table", "ball", {}}};
+  for (const ClassCase& each : cases) {
+    for (const bool strict : {false, true}) {
+      const TemporaryFolder folder;
+      std::string scene = dataset_scene("color instance boxes", kScanned.contains(each.format) ? kDatasetScanner : "");
+      const std::pair<const char*, std::string> classes[] = {
+          {"\"chair\"", each.chair}, {"\"table\"", each.table}, {"\"ball\"", each.ball}};
+      for (const auto& [old, name] : classes) {
+        for (std::size_t at = 0; (at = scene.find(old, at)) != std::string::npos; at += name.size() + 1) {
+          scene.replace(at, std::string_view(old).size(), "\"" + name + "\"");
+        }
+      }
+      write_text(folder / "scene.xml", scene);
+      Strings arguments = {
+          (folder / "scene.xml").string(), "--frames", "3", "--quiet", "--dataset", each.format, "--out",
+          (folder / "set").string()};
+      if (strict) arguments.emplace_back("--strict");
+      const ProcessResult result = run_simvis(arguments);
+      CAPTURE(result.err);
+      std::string names;
+      for (const std::string& name : each.unknown) names += (names.empty() ? "" : ", ") + name;
+      const bool warns = !each.unknown.empty();
+      CHECK(result.exit_code == (warns && strict ? 2 : 0));
+      CHECK(std::ranges::count(result.err, '\n') == (warns ? 1 : 0));
+      CHECK((result.err.find("no color for the classes " + names + ", and") != std::string::npos) == warns);
+      CHECK((result.err.find("(animal, flat.driveable_surface, ") != std::string::npos) == warns);
+      CHECK(fs::exists(folder / "set/contact_sheet.png") == !(warns && strict));
+    }
+  }
+}
+
 TEST_CASE("scenes and runs that DSEC cannot hold have one message each") {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& scene, const Strings& more, const std::string& expected) {
