@@ -196,7 +196,7 @@ void GeometryPool::upload_indices(const Entry& entry, Uploads& uploads) {
   if (entry.mesh->topology != Topology::triangles) return write(entry.mesh->indices);
   unpacked_.clear();
   for (const Cluster& cluster : entry.clustering.clusters) {
-    const std::span<const std::uint32_t> vertices = entry.clustering.vertices_of(cluster);
+    const ClusterVertices vertices = entry.clustering.vertices_of(cluster);
     for (const std::uint8_t corner : entry.clustering.corners_of(cluster)) unpacked_.push_back(vertices[corner]);
     if (unpacked_.size() < kBlock && &cluster != &entry.clustering.clusters.back()) continue;
     write(unpacked_);

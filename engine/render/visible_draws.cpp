@@ -118,7 +118,7 @@ void VisibleDraws::add_in_strip(const ViewContext& context, const DrawCandidate&
   for (const Cluster& cluster : mesh.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     context.draws.counts.triangles_examined += cluster.index_count / 3;
-    const std::span<const std::uint32_t> vertices = mesh.clustering->vertices_of(cluster);
+    const ClusterVertices vertices = mesh.clustering->vertices_of(cluster);
     const std::span<const std::uint8_t> corners = mesh.clustering->corners_of(cluster);
     for (std::size_t i = 0; i < corners.size(); i += 3) {
       const std::uint32_t a = vertices[corners[i]], b = vertices[corners[i + 1]], c = vertices[corners[i + 2]];
