@@ -5,7 +5,8 @@
 
 Makes a file of each kind, loads it with one laser scanner of one beam, and prints CSV: seconds by the clock, seconds of the
 processor with helper programs, the largest resident memory of one process and of all at once, and the status with the
-last line of errors. Caches are empty before each. KIND: obj, ply_text, ply_points, pcd_points, splats, heights, heights_camera. With --small, files are a hundredth as large.
+last line of errors. Caches are empty before each. KIND: obj, obj_camera, ply_text, ply_points, pcd_points, splats,
+heights, heights_camera. With --small, files are a hundredth as large.
 """
 
 import argparse
@@ -120,6 +121,7 @@ SCANNER = ("laser_scanner", 'range_max="100"')
 # name, ending, full size, writer, attributes of the part, sensor with its attributes
 KINDS = [
     ("obj", ".obj", 1300, write_obj, 'file="{}"', SCANNER),
+    ("obj_camera", ".obj", 1300, write_obj, 'file="{}"', ("camera", "")),
     ("ply_text", ".ply", 1000000, write_ply_text, 'file="{}"', SCANNER),
     ("ply_points", ".ply", 20000000, lambda file, count: write_points(file, count, ply_head, 3), 'file="{}"', ("camera", "")),
     ("pcd_points", ".pcd", 20000000, lambda file, count: write_points(file, count, pcd_head, 4), 'file="{}"', ("camera", "")),

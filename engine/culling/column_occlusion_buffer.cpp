@@ -53,7 +53,7 @@ std::uint32_t ColumnOcclusionBuffer::first_read(double u) const {
   return columns_->before(whole + (column > whole));
 }
 
-void ColumnOcclusionBuffer::add(std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners,
+void ColumnOcclusionBuffer::add(const ClusterVertices& vertices, std::span<const std::uint8_t> corners,
                                 std::span<const glm::vec3> positions) {
   const auto times = [](const glm::dvec4& row, const glm::vec3& p) {
     return row.x * p.x + row.y * p.y + row.z * p.z + row.w;

@@ -18,6 +18,7 @@
 #include <simvis/frame_plan.h>
 #include "engine/culling/pixel_polygon.h"
 #include "engine/culling/strip_columns.h"
+#include "engine/geometry/clusters.h"
 
 namespace simvis {
 
@@ -39,7 +40,7 @@ class ColumnOcclusionBuffer {
 
   /// Adds triangles without holes that are drawn from both sides. `corners` holds three indices into `vertices` for
   /// each triangle; `vertices` holds indices into `positions`, which are in the mesh's frame.
-  void add(std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners,
+  void add(const ClusterVertices& vertices, std::span<const std::uint8_t> corners,
            std::span<const glm::vec3> positions);
 
   /// The added triangles that may be visible, in the order in which they were added. Valid until the next begin().

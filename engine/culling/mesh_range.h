@@ -18,6 +18,7 @@ struct MeshRange {
   std::int32_t vertex_offset = 0;
   std::span<const Cluster> clusters{};  ///< first_index counts from the mesh's first index
   const Clustering* clustering = nullptr;
+  bool resident = false;                   ///< false: views copy the vertices that they draw
   std::span<const NormalCone> facing{};    ///< by cluster, for shaded triangles; else empty
   std::span<const glm::vec3> positions{};  ///< in host memory
   std::span<const Occluder> occluders{};   ///< for triangles

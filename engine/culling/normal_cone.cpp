@@ -19,7 +19,7 @@ struct Triangle {
   double longest = 0;  // the longest side
 };
 
-Triangle triangle_at(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners) {
+Triangle triangle_at(const Mesh& mesh, const ClusterVertices& vertices, std::span<const std::uint8_t> corners) {
   const glm::dvec3 a(mesh.positions[vertices[corners[0]]]), b(mesh.positions[vertices[corners[1]]]),
       c(mesh.positions[vertices[corners[2]]]);
   const glm::dvec3 normal = glm::cross(b - a, c - a);
@@ -27,14 +27,14 @@ Triangle triangle_at(const Mesh& mesh, std::span<const std::uint32_t> vertices, 
 }
 
 // A triangle with two corners at one position is never drawn, however it is rounded.
-bool is_line(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners) {
+bool is_line(const Mesh& mesh, const ClusterVertices& vertices, std::span<const std::uint8_t> corners) {
   const glm::vec3 &a = mesh.positions[vertices[corners[0]]], &b = mesh.positions[vertices[corners[1]]],
                   &c = mesh.positions[vertices[corners[2]]];
   return a == b || b == c || c == a;
 }
 
 NormalCone normal_cones_of(const Mesh& mesh, const Clustering& clustering, const Cluster& cluster) {
-  const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
+  const ClusterVertices vertices = clustering.vertices_of(cluster);
   const std::span<const std::uint8_t> corners = clustering.corners_of(cluster);
   std::array<Triangle, kClusterTriangles> triangles;
   std::size_t count = 0;

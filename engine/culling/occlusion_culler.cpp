@@ -18,7 +18,7 @@ constexpr double kBeyond_px = 2 * kInwards_px;
 
 // Returns whether h D of each triangle of the cluster is larger than `least`, in the mesh's unit: see FacingTolerance.
 bool shows_all(const EyeInMesh& eye, double least, const MeshRange& mesh, const Cluster& cluster) {
-  const std::span<const std::uint32_t> vertices = mesh.clustering->vertices_of(cluster);
+  const ClusterVertices vertices = mesh.clustering->vertices_of(cluster);
   const std::span<const std::uint8_t> corners = mesh.clustering->corners_of(cluster);
   for (std::size_t i = 0; i < corners.size(); i += 3) {
     const glm::vec3 &p = mesh.positions[vertices[corners[i]]], &q = mesh.positions[vertices[corners[i + 1]]],

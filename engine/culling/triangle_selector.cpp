@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "engine/base/assert.h"
-#include "engine/geometry/clusters.h"
 
 namespace simvis {
 namespace {
@@ -77,7 +76,7 @@ bool TriangleSelector::can_change_a_pixel(const Corner& a, const Corner& b, cons
          !misses_samples(std::min({a.v, b.v, c.v}), std::max({a.v, b.v, c.v}), s);
 }
 
-void TriangleSelector::select(std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners,
+void TriangleSelector::select(const ClusterVertices& vertices, std::span<const std::uint8_t> corners,
                               std::span<const glm::vec3> positions, std::vector<std::uint32_t>& selected) const {
   std::array<Corner, 3 * kClusterTriangles> places;
   SIMVIS_ASSERT(vertices.size() <= places.size());

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <simvis/frame_plan.h>
+#include "engine/geometry/clusters.h"
 
 namespace simvis {
 
@@ -27,7 +28,7 @@ class TriangleSelector {
   void place(const glm::dmat4& view_from_mesh, double slack_m, bool culls_backs, bool mirrored);
 
   /// Appends the corners of the selected triangles of a cluster. Spans as in Clustering.
-  void select(std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners,
+  void select(const ClusterVertices& vertices, std::span<const std::uint8_t> corners,
               std::span<const glm::vec3> positions, std::vector<std::uint32_t>& selected) const;
 
  private:

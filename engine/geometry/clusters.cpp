@@ -1,10 +1,10 @@
 #include "engine/geometry/clusters.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "engine/base/thread_pool.h"
 #include "engine/draw/grid_mesh.h"
@@ -54,7 +54,7 @@ class ClusterWriter {
       }
     }
     Cluster& cluster = clustering.clusters.emplace_back(cluster_in(box));
-    cluster.first_index = first_index;
+    cluster.first_index = cluster.first_corner = first_index;
     cluster.index_count = static_cast<std::uint32_t>(clustering.corners.size()) - first_index;
     cluster.first_vertex = first_vertex;
     cluster.vertex_count = static_cast<std::uint32_t>(vertices.size()) - first_vertex;
@@ -115,42 +115,88 @@ struct CellRange {
   std::uint32_t count() const { return (high.x - low.x) * (high.y - low.y); }
 };
 
+std::uint32_t end_of(const Cluster& cluster) { return cluster.first_index + cluster.index_count; }
+
+// Makes the clusters of a grid.
+class GridClusters {
+ public:
+  GridClusters(const Mesh& mesh, const GridSize& grid) : mesh_(mesh), grid_(grid) {
+    add({{0, 0}, {grid.columns - 1, grid.rows - 1}});
+    result_.clusters.shrink_to_fit();
+    result_.vertices.shrink_to_fit();
+    result_.corners.shrink_to_fit();
+  }
+
+  Clustering take() { return std::move(result_); }
+
+ private:
+  std::uint32_t vertex_at(std::uint32_t column, std::uint32_t row) const { return row * grid_.columns + column; }
+  void add(const CellRange& cells);
+  void add_cluster(const CellRange& cells);
+  std::size_t find_pattern(const glm::uvec2& size);
+
+  // The vertices and corners that clusters of a size share.
+  struct Pattern {
+    glm::uvec2 size{0};  // in cells
+    std::uint32_t first_corner = 0, first_vertex = 0;
+  };
+
+  const Mesh& mesh_;
+  GridSize grid_;
+  std::vector<Pattern> patterns_;
+  Clustering result_;
+};
+
 // Halves cells along the longer side of their rectangle until a cluster holds them.
-void add_clusters(const Mesh& mesh, const GridSize& grid, const CellRange& cells, ClusterWriter& writer,
-                  Clustering& clustering) {
-  if (2 * cells.count() > kClusterTriangles) {
-    const auto at = [&](std::uint32_t column, std::uint32_t row) {
-      return glm::vec2(mesh.positions[std::size_t{row} * grid.columns + column]);
-    };
-    const glm::uvec2 numbers = cells.high - cells.low;
-    const glm::vec2 size = glm::abs(at(cells.high.x, cells.high.y) - at(cells.low.x, cells.low.y));
-    const int axis = numbers.y < 2 || (numbers.x >= 2 && size.x >= size.y) ? 0 : 1;
-    CellRange front = cells, back = cells;
-    front.high[axis] = back.low[axis] = cells.low[axis] + numbers[axis] / 2;
-    add_clusters(mesh, grid, front, writer, clustering);
-    add_clusters(mesh, grid, back, writer, clustering);
-    return;
-  }
-  std::array<std::uint32_t, kClusterTriangles> triangles{};
-  std::size_t count = 0;
-  for (std::uint32_t row = cells.low.y; row < cells.high.y; ++row) {
-    for (std::uint32_t column = cells.low.x; column < cells.high.x; ++column) {
-      const std::uint32_t cell = row * (grid.columns - 1) + column;
-      for (const std::uint32_t side : {0u, 1u}) triangles[count++] = 2 * cell + side;
-    }
-  }
-  writer.add(std::span(triangles).first(count), clustering);
+void GridClusters::add(const CellRange& cells) {
+  if (2 * cells.count() <= kClusterTriangles) return add_cluster(cells);
+  const auto at = [&](const glm::uvec2& cell) { return glm::vec2(mesh_.positions[vertex_at(cell.x, cell.y)]); };
+  const glm::uvec2 numbers = cells.high - cells.low;
+  const glm::vec2 size = glm::abs(at(cells.high) - at(cells.low));
+  const int axis = numbers.y < 2 || (numbers.x >= 2 && size.x >= size.y) ? 0 : 1;
+  CellRange front = cells, back = cells;
+  front.high[axis] = back.low[axis] = cells.low[axis] + numbers[axis] / 2;
+  add(front);
+  add(back);
 }
 
-// No triangle has to be sorted: where it lies follows from its number.
-Clustering clusters_of_grid(const Mesh& mesh, const GridSize& grid) {
-  Clustering result;
-  result.corners.reserve(mesh.indices.size());
-  ClusterWriter writer(mesh);
-  add_clusters(mesh, grid, {{0, 0}, {grid.columns - 1, grid.rows - 1}}, writer, result);
-  result.clusters.shrink_to_fit();
-  result.vertices.shrink_to_fit();
-  return result;
+void GridClusters::add_cluster(const CellRange& cells) {
+  const glm::uvec2 size = cells.high - cells.low;
+  const Pattern& pattern = patterns_[find_pattern(size)];
+  PointBox box;
+  for (std::uint32_t row = cells.low.y; row <= cells.high.y; ++row) {
+    for (std::uint32_t column = cells.low.x; column <= cells.high.x; ++column) {
+      box.add(mesh_.positions[vertex_at(column, row)]);
+    }
+  }
+  const std::uint32_t first_index = result_.clusters.empty() ? 0 : end_of(result_.clusters.back());
+  Cluster& cluster = result_.clusters.emplace_back(cluster_in(box));
+  cluster.first_index = first_index;
+  cluster.index_count = 6 * cells.count();
+  cluster.first_corner = pattern.first_corner;
+  cluster.first_vertex = pattern.first_vertex;
+  cluster.vertex_count = (size.x + 1) * (size.y + 1);
+  cluster.base = vertex_at(cells.low.x, cells.low.y);
+}
+
+// Makes the pattern of the first cluster of a size.
+std::size_t GridClusters::find_pattern(const glm::uvec2& size) {
+  const auto known = std::ranges::find(patterns_, size, &Pattern::size);
+  if (known != patterns_.end()) return static_cast<std::size_t>(known - patterns_.begin());
+  patterns_.push_back(
+      {size, static_cast<std::uint32_t>(result_.corners.size()), static_cast<std::uint32_t>(result_.vertices.size())});
+  for (std::uint32_t row = 0; row <= size.y; ++row) {
+    for (std::uint32_t column = 0; column <= size.x; ++column) result_.vertices.push_back(vertex_at(column, row));
+  }
+  for (std::uint32_t row = 0; row < size.y; ++row) {
+    for (std::uint32_t column = 0; column < size.x; ++column) {
+      const std::uint32_t a = row * (size.x + 1) + column, b = a + size.x + 1;
+      for (const std::uint32_t corner : {a, b, b + 1, a, b + 1, a + 1}) {
+        result_.corners.push_back(static_cast<std::uint8_t>(corner));
+      }
+    }
+  }
+  return patterns_.size() - 1;
 }
 
 // Appends the number of triangles of each cluster, in order. It depends only on the total number of triangles.
@@ -195,7 +241,7 @@ Clustering clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> or
 
 Clustering make_clusters(const Mesh& mesh, ThreadPool* pool) {
   if (mesh.topology == Topology::triangles) {
-    if (const auto grid = find_grid(mesh)) return clusters_of_grid(mesh, *grid);
+    if (const auto grid = find_grid(mesh)) return GridClusters(mesh, *grid).take();  // nothing has to be sorted
     return clusters_in_order(mesh, order_in_space(mesh, pool));
   }
   PointBox box;

@@ -15,7 +15,9 @@ class ThreadPool;
 /// A range of triangles and their bounding box, in the mesh's frame.
 struct Cluster {
   std::uint32_t first_index = 0, index_count = 0;
+  std::uint32_t first_corner = 0;                    ///< in Clustering::corners, as many as indices
   std::uint32_t first_vertex = 0, vertex_count = 0;  ///< range in Clustering::vertices
+  std::uint32_t base = 0;                            ///< is added to these
   glm::vec3 center{0}, half_size{0};                 ///< rounded outwards
 };
 
@@ -23,23 +25,33 @@ struct Cluster {
 /// draws.
 inline constexpr std::size_t kClusterTriangles = 32;
 
+/// The vertices of a cluster: indices of vertices of the mesh.
+struct ClusterVertices {
+  std::span<const std::uint32_t> offsets;  ///< from `base`
+  std::uint32_t base = 0;
+
+  std::size_t size() const { return offsets.size(); }
+  std::uint32_t operator[](std::size_t i) const { return base + offsets[i]; }
+};
+
 /// A mesh's triangles in an order in which neighbours in space are neighbours in the list; those of a short-lived mesh
 /// in their own order, which costs less than sorting them. The clusters cover the list without gaps, and each triangle
 /// keeps the order of its corners. Lines and points have one cluster, in the mesh's own order, and neither vertices nor
 /// corners.
 ///
 /// Triangles of a cluster share most of their vertices, so each vertex is listed once and corners refer to it. This
-/// takes half the memory of a list of indices, and a vertex need not be processed for each of its triangles.
+/// takes half the memory of a list of indices, and a vertex need not be processed for each of its triangles. In a grid,
+/// clusters of as many columns and rows differ in their base alone, and share their vertices and corners.
 struct Clustering {
   std::vector<Cluster> clusters;
-  std::vector<std::uint32_t> vertices;  ///< indices of the mesh's vertices, cluster by cluster
+  std::vector<std::uint32_t> vertices;  ///< indices of the mesh's vertices, less the cluster's base
   std::vector<std::uint8_t> corners;    ///< one for each index: its position among the cluster's vertices
 
-  std::span<const std::uint32_t> vertices_of(const Cluster& cluster) const {
-    return std::span(vertices).subspan(cluster.first_vertex, cluster.vertex_count);
+  ClusterVertices vertices_of(const Cluster& cluster) const {
+    return {std::span(vertices).subspan(cluster.first_vertex, cluster.vertex_count), cluster.base};
   }
   std::span<const std::uint8_t> corners_of(const Cluster& cluster) const {
-    return std::span(corners).subspan(cluster.first_index, cluster.index_count);
+    return std::span(corners).subspan(cluster.first_corner, cluster.index_count);
   }
 };
 

@@ -20,6 +20,10 @@ namespace {
 
 using Surface = PipelineKey::Surface;
 
+bool is_large(const Mesh& mesh) {
+  return mesh.topology == Topology::triangles && mesh.positions.size() >= kMinLargeVertices;
+}
+
 auto state_of(const Drawable& d) {
   return std::tuple(d.key.bits(), d.single_sided, d.mirrored, d.depth_visible, d.texture, d.range.clusters.data());
 }
@@ -101,13 +105,15 @@ void DrawCache::update(const DrawList& list, const Uses& uses, GeometryPool& geo
 
 // Returns whether the device holds the mesh data for these uses.
 bool DrawCache::covers(const Uses& uses) const {
-  return uses.triangles <= use_ && (with_levels_ || !uses.coarser) && (clouds_on_device_ || !uses.clouds_on_device);
+  return uses.triangles <= use_ && (with_levels_ || !uses.coarser) && (clouds_on_device_ || !uses.clouds_on_device) &&
+         (large_on_device_ || !uses.large_on_device);
 }
 
 // Uses only increase until the structure of the list changes.
 void DrawCache::add_uses(const Uses& uses, bool new_structure) {
   use_ = new_structure ? uses.triangles : std::max(use_, uses.triangles);
   clouds_on_device_ = uses.clouds_on_device || (clouds_on_device_ && !new_structure);
+  large_on_device_ = uses.large_on_device || (large_on_device_ && !new_structure);
   with_levels_ |= uses.coarser;
 }
 
@@ -336,6 +342,10 @@ std::vector<MeshUse> DrawCache::find_uses() {
     materials_read_[item.material] |= with_color() || kind.in_depth != Surface::opaque;
     any_lit_ |= !kind.unlit;
   }
+  max_copies_ = 0;
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (is_large(*meshes_[i]) && uses[i] < MeshUse::positions) max_copies_ += meshes_[i]->positions.size();
+  }
   return uses;
 }
 
@@ -370,6 +380,7 @@ MeshUse DrawCache::use_of(const Mesh& mesh, const MaterialKind& kind) const {
   const bool opaque = kind.in_depth == Surface::opaque && (!with_color() || kind.in_color == Surface::opaque);
   const bool points = mesh.topology == Topology::points && mesh.indices.size() >= kWorthSelectingPoints;
   if (points && opaque && !clouds_on_device_) return MeshUse::clusters;
+  if (is_large(mesh) && opaque && !large_on_device_) return with_color() ? MeshUse::shaded_clusters : MeshUse::clusters;
   if (with_color() || kind.in_depth != Surface::opaque) return MeshUse::attributes;
   return mesh.topology == Topology::triangles ? use_ : MeshUse::positions;
 }

@@ -18,6 +18,10 @@
 
 namespace simvis {
 
+/// Views of a CPU device copy what they see of opaque triangles of meshes with at least this many vertices, which are
+/// not uploaded. Of smaller meshes an upload takes little memory, and copies in each frame would take time.
+inline constexpr std::size_t kMinLargeVertices = 1u << 20;
+
 /// If the list has a change log (see DrawListDelta), the cache reads only the changes. Otherwise it compares the list
 /// with its own copy.
 class DrawCache {
@@ -29,6 +33,7 @@ class DrawCache {
     MeshUse triangles = MeshUse::clusters;
     bool clouds_on_device = true;  ///< large clouds of opaque points are drawn as they are; until a frame does that,
                                    ///< they are not uploaded
+    bool large_on_device = true;   ///< the same of large meshes of opaque triangles
     bool coarser = false;          ///< coarser levels are drawn; until a frame does that, there are none
   };
 
@@ -54,6 +59,10 @@ class DrawCache {
   /// By material: bit mask of the textures that are shown, bit number = binding.
   std::span<const std::uint8_t> textures_shown() const { return textures_shown_; }
   bool any_lit() const { return any_lit_; }
+  /// The number of vertices of large meshes that the views of a frame may copy: as many as the meshes have that are not
+  /// on the device. A copy takes 44 bytes on the device and 4 on the host, a vertex of a mesh on the device 44 bytes
+  /// and some 24 for its indices.
+  std::size_t max_copies() const { return max_copies_; }
   /// The number of coarser levels on the device.
   std::size_t levels_held() const { return level_ranges_.size(); }
 
@@ -113,9 +122,11 @@ class DrawCache {
 
   bool made_ = false;
   bool any_lit_ = false;
-  MeshUse use_ = MeshUse::none;    // of opaque triangles: the maximum since the structure last changed
-  bool clouds_on_device_ = false;  // as Uses: whether a frame has drawn them since the structure last changed
-  bool with_levels_ = false;       // a frame has drawn coarser levels
+  MeshUse use_ = MeshUse::none;  // of opaque triangles: the maximum since the structure last changed
+  // As Uses: whether a frame has drawn them since the structure last changed.
+  bool clouds_on_device_ = false, large_on_device_ = false;
+  std::size_t max_copies_ = 0;
+  bool with_levels_ = false;  // a frame has drawn coarser levels
   LightCounts lights_{};
   std::vector<DrawItem> items_;
   std::vector<std::shared_ptr<const Mesh>> meshes_;

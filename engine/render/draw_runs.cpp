@@ -26,7 +26,8 @@ MeshRange range_of(const VisibleDraw& draw) {
   if (draw.kind == Kind::mesh) return mesh;
   return {.first_index = draw.first,
           .index_count = draw.count,
-          .vertex_offset = mesh.vertex_offset,
+          .vertex_offset =
+              draw.kind == Kind::copied_triangles ? static_cast<std::int32_t>(draw.first_vertex) : mesh.vertex_offset,
           .bounds_min = mesh.bounds_min,
           .bounds_max = mesh.bounds_max};
 }
@@ -61,8 +62,8 @@ void DrawRuns::record(const ViewContext& context, std::span<const VisibleDraw> v
                      .instance_count = 1,
                      .depth_visible = d.depth_visible,
                      .point_m = d.point_m,
-                     .own_indices = draw.kind == Kind::triangles,
-                     .own_points = draw.kind == Kind::points});
+                     .own_indices = draw.kind == Kind::triangles || draw.kind == Kind::copied_triangles,
+                     .copied = draw.kind == Kind::copied_triangles || draw.kind == Kind::points});
   }
 }
 

@@ -19,8 +19,9 @@ struct DrawRun {
   float point_m = 0;          ///< as in Drawable
   bool own_indices = false;   ///< range.first_index counts in the view's indices, not in the geometry pool.
                               ///< With key.cpu_selected, it counts in cpu_selected(), without indices.
-  bool own_points = false;    ///< range.first_index counts in the view's points, without indices
+  bool copied = false;        ///< its vertices are copies; without own indices, range.first_index counts in these
 
+  bool is_indexed() const { return !key.cpu_selected && (!copied || own_indices); }
   /// The triangles of all instances together; 0 for lines and points.
   std::uint64_t triangles() const {
     return key.topology == Topology::triangles ? std::uint64_t{range.index_count / 3} * instance_count : 0;

@@ -110,24 +110,29 @@ void FrameBuffers::write_cpu_selected(std::span<const std::span<const shader::Cp
   }
 }
 
-void FrameBuffers::write_points(std::span<const std::span<const glm::vec3>> positions,
-                                std::span<const std::span<const PackedAttributes>> attributes, Uploads& uploads) {
-  std::size_t count = 0, first = 0;
-  bool color = false;
-  for (std::size_t view = 0; view < positions.size(); ++view) {
-    count += positions[view].size();
-    color |= !attributes[view].empty();
-  }
+void FrameBuffers::write_copies(std::span<const VertexCopies> copies, Uploads& uploads) {
+  std::size_t count = 0;
+  for (const VertexCopies& each : copies) count += each.vertices.size();
   if (count == 0) return;
-  reserve(point_positions_, "points selected on the CPU", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, count * sizeof(glm::vec3));
-  if (color) {
-    reserve(point_attributes_, "attributes of points selected on the CPU", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+  reserve(copied_positions_, "copied positions", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, count * sizeof(glm::vec3));
+  if (std::ranges::any_of(copies, &VertexCopies::with_attributes)) {
+    reserve(copied_attributes_, "copied attributes", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
             count * sizeof(PackedAttributes));
   }
-  for (std::size_t view = 0; view < positions.size(); ++view) {
-    uploads.write(point_positions_, first * sizeof(glm::vec3), std::as_bytes(positions[view]));
-    if (color) uploads.write(point_attributes_, first * sizeof(PackedAttributes), std::as_bytes(attributes[view]));
-    first += positions[view].size();
+  std::size_t place = 0;
+  for (const VertexCopies& each : copies) {
+    for (std::size_t first = 0; first < each.vertices.size(); first += kUploadBlock) {
+      const auto block = each.vertices.subspan(first, std::min(kUploadBlock, each.vertices.size() - first));
+      positions_.clear();
+      for (const std::uint32_t vertex : block) positions_.push_back(each.mesh->positions[vertex]);
+      uploads.write(copied_positions_, place * sizeof(glm::vec3), std::as_bytes(std::span(positions_)));
+      if (each.with_attributes) {
+        packed_.clear();
+        append_packed(each.mesh->attributes, block, packed_);
+        uploads.write(copied_attributes_, place * sizeof(PackedAttributes), std::as_bytes(std::span(packed_)));
+      }
+      place += block.size();
+    }
   }
 }
 
@@ -174,10 +179,10 @@ void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory
   };
   add(instances_, "instance transforms of each view");
   add(items_, "items of the instances of views whose items are read");
-  add(indices_, "triangles with holes that strips see, selected on the CPU one by one");
+  add(indices_, "triangles that views see, selected on the CPU one by one");
   add(cpu_selected_, "triangles without holes that strips see, selected on the CPU one by one");
-  add(point_positions_, "points of large clouds that views see");
-  add(point_attributes_, "colours of these points");
+  add(copied_positions_, "points of large clouds and corners of triangles of large meshes that views see");
+  add(copied_attributes_, "normals, colours and texture coordinates of these vertices");
   add(materials_.buffer, "materials that shaders read");
   add(map_places_.buffer, "texture transforms of maps");
   add(lights_, "lights of each colour view");

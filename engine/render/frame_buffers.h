@@ -33,9 +33,8 @@ class FrameBuffers {
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
   /// Writes the spans one after the other, without gaps.
   void write_cpu_selected(std::span<const std::span<const shader::CpuSelectedVertex>> vertices, Uploads& uploads);
-  /// Writes the selected points of all views, one view after the other; `attributes` of a view are empty or as many.
-  void write_points(std::span<const std::span<const glm::vec3>> positions,
-                    std::span<const std::span<const PackedAttributes>> attributes, Uploads& uploads);
+  /// Writes the vertices one copy after the other; attributes only of copies with attributes.
+  void write_copies(std::span<const VertexCopies> copies, Uploads& uploads);
   /// Required for each frame that shows colour, even without lights, because its shaders refer to the buffer.
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 
@@ -46,8 +45,8 @@ class FrameBuffers {
   VkBuffer items() const { return items_.get(); }
   VkBuffer indices() const { return indices_.get(); }
   VkBuffer cpu_selected() const { return cpu_selected_.get(); }
-  VkBuffer point_positions() const { return point_positions_.get(); }
-  VkBuffer point_attributes() const { return point_attributes_.get(); }
+  VkBuffer copied_positions() const { return copied_positions_.get(); }
+  VkBuffer copied_attributes() const { return copied_attributes_.get(); }
   VkDescriptorSet set() const { return set_.get(); }
 
   /// Marks the slots of all materials as not written.
@@ -77,9 +76,11 @@ class FrameBuffers {
   DeviceImpl& device_;
   const DescriptorLayout& set_layout_;
   DescriptorSets set_;
-  Buffer instances_, items_, indices_, cpu_selected_, point_positions_, point_attributes_, lights_;
+  Buffer instances_, items_, indices_, cpu_selected_, copied_positions_, copied_attributes_, lights_;
   Handle<VkBufferView> light_texels_;  // of lights_
   Table materials_, map_places_;
+  std::vector<glm::vec3> positions_;      // a block of copies
+  std::vector<PackedAttributes> packed_;  // the same
 };
 
 }  // namespace simvis

@@ -21,9 +21,8 @@ void FrameDrawLists::clear() {
   indices_.clear();
   cpu_selected_.clear();
   cpu_selected_count_ = 0;
-  point_positions_.clear();
-  point_attributes_.clear();
-  point_count_ = 0;
+  copies_.clear();
+  copied_vertices_ = triangle_copies_ = 0;
   shadowed_ = 0;
   lacking_.clear();
   items_culled_ = 0;
@@ -74,7 +73,8 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
     } else {
       run.first_instance += static_cast<std::uint32_t>(instances_.size());
       if (run.own_indices) run.range.first_index += static_cast<std::uint32_t>(indices_.size());
-      if (run.own_points) run.range.first_index += static_cast<std::uint32_t>(point_count_);
+      if (run.copied && run.own_indices) run.range.vertex_offset += static_cast<std::int32_t>(copied_vertices_);
+      if (run.copied && !run.own_indices) run.range.first_index += static_cast<std::uint32_t>(copied_vertices_);
     }
     runs_.push_back(run);
   }
@@ -91,9 +91,9 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
   append_to(indices_, visible.indices());
   cpu_selected_.push_back(runs.cpu_selected());
   cpu_selected_count_ += runs.cpu_selected().size();
-  point_positions_.push_back(visible.point_positions());
-  point_attributes_.push_back(visible.point_attributes());
-  point_count_ += visible.point_positions().size();
+  append_to(copies_, visible.copies());
+  copied_vertices_ += visible.copied_vertices();
+  triangle_copies_ += visible.triangle_copies();
 }
 
 }  // namespace simvis

@@ -42,9 +42,11 @@ class FrameDrawLists {
   std::span<const std::uint32_t> indices() const { return indices_; }
   /// One span per view, in the order of views(). Valid until the next update() or clear().
   std::span<const std::span<const shader::CpuSelectedVertex>> cpu_selected() const { return cpu_selected_; }
-  /// The same for the points that the host has selected; attributes of a view are empty if it has no colour.
-  std::span<const std::span<const glm::vec3>> point_positions() const { return point_positions_; }
-  std::span<const std::span<const PackedAttributes>> point_attributes() const { return point_attributes_; }
+  /// The vertices that the host has selected. Valid as long as the same of cpu_selected().
+  std::span<const VertexCopies> copies() const { return copies_; }
+  /// The number of these that are vertices of triangles. If it is above DrawCache::max_copies(), the large meshes have
+  /// to be on the device.
+  std::size_t triangle_copies() const { return triangle_copies_; }
 
  private:
   void append(const ViewDrawList& drawing, bool shadowed);
@@ -60,9 +62,8 @@ class FrameDrawLists {
   std::vector<std::span<const shader::CpuSelectedVertex>>
       cpu_selected_;  // views into drawings_: copies would be too large
   std::size_t cpu_selected_count_ = 0;
-  std::vector<std::span<const glm::vec3>> point_positions_;          // the same
-  std::vector<std::span<const PackedAttributes>> point_attributes_;  // the same
-  std::size_t point_count_ = 0;
+  std::vector<VertexCopies> copies_;
+  std::size_t copied_vertices_ = 0, triangle_copies_ = 0;
   std::size_t shadowed_ = 0;
   std::vector<LackingLevel> lacking_;
   std::uint64_t items_culled_ = 0;

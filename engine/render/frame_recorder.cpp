@@ -19,11 +19,11 @@ void bind_shadow_set(const FrameContext& frame) {
 }
 
 // The buffer from which a run takes its vertices.
-enum class VertexSource : std::uint8_t { meshes, cpu_selected, points };
+enum class VertexSource : std::uint8_t { meshes, cpu_selected, copies };
 
 VertexSource source_of(const DrawRun& run) {
   if (run.key.cpu_selected) return VertexSource::cpu_selected;
-  return run.own_points ? VertexSource::points : VertexSource::meshes;
+  return run.copied ? VertexSource::copies : VertexSource::meshes;
 }
 
 // The state that a run may change.
@@ -47,9 +47,9 @@ void bind_vertices(const FrameContext& frame, VertexSource source, bool items) {
     vkCmdBindVertexBuffers(frame.commands, 0, 1, &frame.cpu_selected, offsets);
     return;
   }
-  const bool points = source == VertexSource::points;
-  const VkBuffer buffers[] = {points ? frame.point_positions : frame.geometry.positions(), frame.instances,
-                              points ? frame.point_attributes : frame.geometry.attributes()};
+  const bool copies = source == VertexSource::copies;
+  const VkBuffer buffers[] = {copies ? frame.copied_positions : frame.geometry.positions(), frame.instances,
+                              copies ? frame.copied_attributes : frame.geometry.attributes()};
   vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
   if (items) vkCmdBindVertexBuffers(frame.commands, kItemBinding, 1, &frame.items, offsets);
 }
@@ -77,7 +77,7 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
     bind_vertices(frame, source, key.items && !key.color);
     bound.vertices = source;
   }
-  if (key.cpu_selected || run.own_points) return;
+  if (!run.is_indexed()) return;
   const VkBuffer indices = run.own_indices ? frame.frame_indices : frame.geometry.indices();
   if (indices != bound.indices) {
     vkCmdBindIndexBuffer(frame.commands, indices, 0, VK_INDEX_TYPE_UINT32);
@@ -90,7 +90,7 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
 std::size_t parts_together(std::span<const DrawRun> runs) {
   const DrawRun& first = runs.front();
   const auto other = [&first](const DrawRun& run) {
-    return run.first_instance != first.first_instance || run.key.cpu_selected || run.own_points ||
+    return run.first_instance != first.first_instance || run.key.cpu_selected || run.copied ||
            run.key.bits() != first.key.bits();
   };
   return static_cast<std::size_t>(std::find_if(runs.begin() + 1, runs.end(), other) - runs.begin());
@@ -101,7 +101,7 @@ void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bou
   const DrawRun& first = runs.front();
   if (first.key.cpu_selected) {
     vkCmdDraw(frame.commands, first.range.index_count, 1, first.range.first_index, 0);
-  } else if (first.own_points) {
+  } else if (!first.is_indexed()) {
     vkCmdDraw(frame.commands, first.range.index_count, 1, first.range.first_index, first.first_instance);
   } else {
     bound.parts.clear();

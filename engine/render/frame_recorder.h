@@ -36,11 +36,11 @@ struct FrameContext {
   const ShadowMaps* shadows;  ///< null if no view has shadows
   SkyBackdrop* sky;           ///< null if no view shows a picture of the sky
   VkBuffer instances;
-  VkBuffer items;             ///< of the instances; null if no pass has items
-  VkBuffer frame_indices;     ///< null if no run has its own indices
-  VkBuffer cpu_selected;      ///< null if no run has CPU-selected vertices
-  VkBuffer point_positions;   ///< null if no run has its own points
-  VkBuffer point_attributes;  ///< the same, or if no such run has colour
+  VkBuffer items;              ///< of the instances; null if no pass has items
+  VkBuffer frame_indices;      ///< null if no run has its own indices
+  VkBuffer cpu_selected;       ///< null if no run has CPU-selected vertices
+  VkBuffer copied_positions;   ///< null if no run is copied
+  VkBuffer copied_attributes;  ///< the same, or if no such run has colour
   const FrameDrawLists& draws;
   const DrawList& list;
   FrameCounters& counters;

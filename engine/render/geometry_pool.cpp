@@ -16,9 +16,6 @@ constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUF
 constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | kCopied;
 constexpr VkBufferUsageFlags kIndexUsage = VK_BUFFER_USAGE_INDEX_BUFFER_BIT | kCopied;
 
-// Data that is converted for the upload is converted in blocks of about this size, so that no full second copy exists.
-constexpr std::size_t kBlock = 1u << 16;
-
 // The first load allocates exactly what it needs. Later growth adds half of that, so that a scene that grows part by
 // part is not moved each time.
 std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least, bool grows) {
@@ -28,12 +25,17 @@ std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least, bool grows
   return std::max(least, grows ? needed + needed / 2 : needed);
 }
 
+// As std::lround() of values of at most 16 bits, in a fraction of its time: the sum is exact in double.
+std::int32_t rounded(float value) {
+  return static_cast<std::int32_t>(double{value} + std::copysign(0.5, double{value}));
+}
+
 std::int16_t snorm16(float value) {
-  return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f));
+  return static_cast<std::int16_t>(rounded(std::clamp(value, -1.0f, 1.0f) * 32767.0f));
 }
 
 std::uint16_t unorm16(float value) {
-  return static_cast<std::uint16_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 65535.0f));
+  return static_cast<std::uint16_t>(rounded(std::clamp(value, 0.0f, 1.0f) * 65535.0f));
 }
 
 PackedAttributes pack(const VertexAttributes& a) {
@@ -85,11 +87,16 @@ std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<
     if (found == entries_.end()) continue;
     Entry& entry = found->second;
     if (uses[i] == MeshUse::attributes && !entry.has_attributes) upload_attributes(entry, uploads);
+    const bool shaded = uses[i] == MeshUse::attributes || uses[i] == MeshUse::shaded_clusters;
+    if (shaded && entry.facing.empty() && entry.mesh->topology == Topology::triangles) {
+      entry.facing = normal_cones_of(*entry.mesh, entry.clustering, device_.threads.get());
+    }
     ranges_[i] = {.first_index = static_cast<std::uint32_t>(entry.first_index),
                   .index_count = static_cast<std::uint32_t>(entry.mesh->indices.size()),
                   .vertex_offset = static_cast<std::int32_t>(entry.first_vertex),
                   .clusters = entry.clustering.clusters,
                   .clustering = &entry.clustering,
+                  .resident = entry.use >= MeshUse::positions,
                   .facing = entry.facing,
                   .positions = entry.mesh->positions,
                   .occluders = entry.occluders,
@@ -196,9 +203,9 @@ void GeometryPool::upload_indices(const Entry& entry, Uploads& uploads) {
   if (entry.mesh->topology != Topology::triangles) return write(entry.mesh->indices);
   unpacked_.clear();
   for (const Cluster& cluster : entry.clustering.clusters) {
-    const std::span<const std::uint32_t> vertices = entry.clustering.vertices_of(cluster);
+    const ClusterVertices vertices = entry.clustering.vertices_of(cluster);
     for (const std::uint8_t corner : entry.clustering.corners_of(cluster)) unpacked_.push_back(vertices[corner]);
-    if (unpacked_.size() < kBlock && &cluster != &entry.clustering.clusters.back()) continue;
+    if (unpacked_.size() < kUploadBlock && &cluster != &entry.clustering.clusters.back()) continue;
     write(unpacked_);
     unpacked_.clear();
   }
@@ -209,9 +216,9 @@ void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
     attributes_ = make_buffer("mesh attributes", vertex_capacity_ * sizeof(PackedAttributes), kVertexUsage);
   }
   const std::span<const VertexAttributes> attributes = entry.mesh->attributes;
-  for (std::size_t first = 0; first < attributes.size(); first += kBlock) {
+  for (std::size_t first = 0; first < attributes.size(); first += kUploadBlock) {
     packed_.clear();
-    for (const VertexAttributes& a : attributes.subspan(first, std::min(kBlock, attributes.size() - first))) {
+    for (const VertexAttributes& a : attributes.subspan(first, std::min(kUploadBlock, attributes.size() - first))) {
       // Points of a cloud mostly have the attributes of the point before.
       packed_.push_back(!packed_.empty() && a == *(&a - 1) ? packed_.back() : pack(a));
     }
@@ -219,8 +226,6 @@ void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
                   std::as_bytes(std::span(packed_)));
   }
   entry.has_attributes = true;
-  if (entry.mesh->topology != Topology::triangles) return;
-  entry.facing = normal_cones_of(*entry.mesh, entry.clustering, device_.threads.get());
 }
 
 Buffer GeometryPool::make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage) {

@@ -28,9 +28,20 @@ static_assert(sizeof(PackedAttributes) == 32);
 void append_packed(std::span<const VertexAttributes> attributes, std::span<const std::uint32_t> vertices,
                    std::vector<PackedAttributes>& packed);
 
+/// Vertices of a mesh that a frame copies to the device.
+struct VertexCopies {
+  const Mesh* mesh = nullptr;
+  std::span<const std::uint32_t> vertices{};
+  bool with_attributes = false;
+};
+
+/// Data that is converted for the upload is converted in blocks of about this size, so that no full second copy exists.
+inline constexpr std::size_t kUploadBlock = 1u << 16;
+
 /// The data of a mesh that a draw list needs. Each value includes those before it: `clusters` on the host, from which
-/// views select triangles and points; `positions` and indices on the device; `attributes` on the device.
-enum class MeshUse : std::uint8_t { none, clusters, positions, attributes };
+/// views select triangles and points; normal cones of these, if it is `shaded`; `positions` and indices on the device;
+/// `attributes` on the device. Depth alone, from the device, needs no cones.
+enum class MeshUse : std::uint8_t { none, clusters, shaded_clusters, positions, attributes };
 
 /// Meshes are identified by address. Each mesh is split into clusters and uploaded once, and is released when the list
 /// no longer contains it. The buffers are filled from the front. When a buffer is full, the device copies the meshes

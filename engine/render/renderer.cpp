@@ -76,14 +76,24 @@ bool draws_whole_clouds(const FramePlan& plan) {
   });
 }
 
-// In fog, only the air is visible at infinite distance.
-bool shows_sky(const DrawList& list) { return list.sky.picture != nullptr && list.medium.extinction_per_m == 0; }
-
 bool draws_levels(const FramePlan& plan) {
   return std::ranges::any_of(plan.passes, [](const Pass& pass) {
     return pass.color && std::ranges::any_of(pass.views, [](const View& view) { return view.max_error_px > 0; });
   });
 }
+
+// Whether a view of the plan needs device copies of large meshes on a CPU device. Coarser levels are made of copies.
+bool draws_whole_meshes(const FramePlan& plan) {
+  return draws_levels(plan) || std::ranges::any_of(plan.passes, [](const Pass& pass) {
+           return std::ranges::any_of(pass.views, [&pass](const View& view) {
+             const bool joins_strip = !pass.color && !pass.items && cpu_selects_opaque(view);
+             return !joins_strip && !cpu_selects_triangles(view, pass);
+           });
+         });
+}
+
+// In fog, only the air is visible at infinite distance.
+bool shows_sky(const DrawList& list) { return list.sky.picture != nullptr && list.medium.extinction_per_m == 0; }
 
 RasterTraits raster_traits(const PhysicalDevice& device) {
   return {.snap_px = device.snap_px,
@@ -228,13 +238,20 @@ void Renderer::Impl::finish_frame(const FramePlan& plan) {
 
 void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   const bool color = std::ranges::any_of(plan.passes, &Pass::color);
-  const DrawCache::Uses uses{.triangles = opaque_use(plan),
-                             .clouds_on_device = !device.physical.is_cpu() || draws_whole_clouds(plan),
-                             .coarser = draws_levels(plan)};
+  const bool cpu = device.physical.is_cpu();
+  DrawCache::Uses uses{.triangles = opaque_use(plan),
+                       .clouds_on_device = !cpu || draws_whole_clouds(plan),
+                       .large_on_device = !cpu || draws_whole_meshes(plan),
+                       .coarser = draws_levels(plan)};
   table.update(list, uses, geometry, levels, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
   draws.update(plan, list, table);
+  if (draws.triangle_copies() > table.max_copies()) {
+    uses.large_on_device = true;
+    table.update(list, uses, geometry, levels, textures, uploads);
+    draws.update(plan, list, table);
+  }
   while (!draws.lacking().empty()) {  // until what is seen behind a coarser shape is there too
     table.add_levels(draws.lacking(), list, geometry, levels, textures, uploads);
     draws.update(plan, list, table);
@@ -245,7 +262,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   if (std::ranges::any_of(plan.passes, &Pass::has_item_target)) buffers.write_items(draws.items(), uploads);
   buffers.write_indices(draws.indices(), uploads);
   buffers.write_cpu_selected(draws.cpu_selected(), uploads);
-  buffers.write_points(draws.point_positions(), draws.point_attributes(), uploads);
+  buffers.write_copies(draws.copies(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
   if (color && shows_sky(list)) {
     if (!sky) sky.emplace(device, *pipelines);
@@ -293,8 +310,8 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .items = buffers.items(),
                            .frame_indices = buffers.indices(),
                            .cpu_selected = buffers.cpu_selected(),
-                           .point_positions = buffers.point_positions(),
-                           .point_attributes = buffers.point_attributes(),
+                           .copied_positions = buffers.copied_positions(),
+                           .copied_attributes = buffers.copied_attributes(),
                            .draws = draws,
                            .list = list,
                            .counters = counters,

@@ -19,10 +19,15 @@ namespace simvis {
 /// single triangles.
 inline bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
 
-/// Whether the host of a CPU device selects the points of large clouds that the view sees. The view then needs no
-/// device copy of these meshes if they are opaque.
+/// Whether the host of a CPU device selects the triangles that the view sees. The view then needs no device copy of
+/// large opaque meshes: it draws copies of the vertices that it sees.
+inline bool cpu_selects_triangles(const View& view, const Pass& pass) {
+  return view.culled && !is_strip(view) && !view.orthographic && !pass.shadow_maps;
+}
+
+/// The same of the points of large clouds.
 inline bool cpu_selects_points(const View& view, const Pass& pass) {
-  return view.culled && !is_strip(view) && !view.orthographic && !pass.shadow_maps && pass.msaa == 1;
+  return cpu_selects_triangles(view, pass) && pass.msaa == 1;
 }
 
 /// Whether the host selects all opaque triangles that the view draws. The view then needs no device copy of these

@@ -1,5 +1,7 @@
 #include "engine/render/visible_draws.h"
 
+#include <algorithm>
+
 namespace simvis {
 namespace {
 
@@ -39,11 +41,11 @@ void VisibleDraws::begin(const ViewContext& context) {
   const Pass& pass = context.pass;
   const RasterTraits& raster = context.raster;
   indices_.clear();
-  point_positions_.clear();
-  point_attributes_.clear();
+  copies_.clear();
+  copied_vertices_ = triangle_copies_ = 0;
   tolerance_ = FacingTolerance(view, raster.snap_px);
   occlusion_.begin(view, tolerance_);
-  selects_triangles_ = raster.selects_primitives && !context.strip && !view.orthographic && !pass.shadow_maps;
+  selects_triangles_ = raster.selects_primitives && cpu_selects_triangles(view, pass);
   if (selects_triangles_) triangles_.begin(view, pass.supersampling * pass.msaa, raster.snap_px);
   selects_points_ = raster.selects_primitives && cpu_selects_points(view, pass);
   if (selects_points_) points_.begin(view, pass.supersampling, raster.snap_px, raster.points);
@@ -118,7 +120,7 @@ void VisibleDraws::add_in_strip(const ViewContext& context, const DrawCandidate&
   for (const Cluster& cluster : mesh.clusters) {
     if (outside(planes, cluster.center, cluster.half_size)) continue;
     context.draws.counts.triangles_examined += cluster.index_count / 3;
-    const std::span<const std::uint32_t> vertices = mesh.clustering->vertices_of(cluster);
+    const ClusterVertices vertices = mesh.clustering->vertices_of(cluster);
     const std::span<const std::uint8_t> corners = mesh.clustering->corners_of(cluster);
     for (std::size_t i = 0; i < corners.size(); i += 3) {
       const std::uint32_t a = vertices[corners[i]], b = vertices[corners[i + 1]], c = vertices[corners[i + 2]];
@@ -150,7 +152,7 @@ void VisibleDraws::add_clusters(const ViewContext& context, const DrawCandidate&
     seen_indices += cluster.index_count;
     seen_clusters_.push_back(&cluster);
   }
-  if (selects_triangles_ && seen_indices >= 3 * kWorthSelecting) {
+  if (selects_triangles_ && (seen_indices >= 3 * kWorthSelecting || !mesh.resident)) {
     triangles_.place(view_from, planes.slack, culls_backs, candidate.drawable->mirrored);
     select_triangles(context, candidate);
   } else if (!seen_clusters_.empty() && seen_indices == mesh.index_count) {
@@ -177,12 +179,32 @@ void VisibleDraws::add_seen_clusters(const DrawCandidate& candidate) {
 void VisibleDraws::select_triangles(const ViewContext& context, const DrawCandidate& candidate) {
   const MeshRange& mesh = *candidate.range;
   const std::size_t first = indices_.size();
+  std::vector<std::uint32_t>* const copied = mesh.resident ? nullptr : &next_copied();
   for (const Cluster* const cluster : seen_clusters_) {
+    const std::size_t first_of_cluster = indices_.size();
     context.draws.counts.triangles_examined += cluster->index_count / 3;
     triangles_.select(mesh.clustering->vertices_of(*cluster), mesh.clustering->corners_of(*cluster), mesh.positions,
                       indices_);
+    if (copied != nullptr) copy_corners(first_of_cluster, *copied);
   }
-  add_triangles_from(candidate, first);
+  if (copied == nullptr) return add_triangles_from(candidate, first);
+  triangle_copies_ += copied->size();
+  add_copies(context, candidate,
+             {.kind = VisibleDraw::Kind::copied_triangles,
+              .first = static_cast<std::uint32_t>(first),
+              .count = static_cast<std::uint32_t>(indices_.size() - first),
+              .first_vertex = static_cast<std::uint32_t>(copied_vertices_)});
+}
+
+// Copies the corners of a cluster's triangles, each vertex once, and lets the indices count in the copies.
+void VisibleDraws::copy_corners(std::size_t first_index, std::vector<std::uint32_t>& copied) {
+  const auto first = static_cast<std::ptrdiff_t>(copied.size());
+  for (std::uint32_t& index : std::span(indices_).subspan(first_index)) {
+    const auto known = std::find(copied.begin() + first, copied.end(), index);
+    const auto place = static_cast<std::uint32_t>(known - copied.begin());
+    if (known == copied.end()) copied.push_back(index);
+    index = place;
+  }
 }
 
 void VisibleDraws::add_triangles_from(const DrawCandidate& candidate, std::size_t first_index) {
@@ -194,14 +216,30 @@ void VisibleDraws::add_triangles_from(const DrawCandidate& candidate, std::size_
 void VisibleDraws::select_points(const ViewContext& context, const DrawCandidate& candidate) {
   const Drawable& d = *candidate.drawable;
   const Mesh& mesh = *context.list.meshes[context.list.items[d.item].mesh];
-  selected_points_.clear();
   points_.select(view_from_mesh(context, candidate), planes_of(context, candidate).slack, d.point_m, mesh.positions,
-                 mesh.indices, selected_points_);
-  if (selected_points_.empty()) return;
-  visible_.push_back({&candidate, VisibleDraw::Kind::points, static_cast<std::uint32_t>(point_positions_.size()),
-                      static_cast<std::uint32_t>(selected_points_.size())});
-  for (const std::uint32_t point : selected_points_) point_positions_.push_back(mesh.positions[point]);
-  if (d.key.color) append_packed(mesh.attributes, selected_points_, point_attributes_);
+                 mesh.indices, next_copied());
+  add_copies(context, candidate,
+             {.kind = VisibleDraw::Kind::points,
+              .first = static_cast<std::uint32_t>(copied_vertices_),
+              .count = static_cast<std::uint32_t>(copied_[copies_.size()].size())});
+}
+
+// Returns an empty list for add_copies().
+std::vector<std::uint32_t>& VisibleDraws::next_copied() {
+  if (copied_.size() == copies_.size()) copied_.emplace_back();
+  copied_[copies_.size()].clear();
+  return copied_[copies_.size()];
+}
+
+// Adds a draw of copies of the vertices in the list that next_copied() has returned.
+void VisibleDraws::add_copies(const ViewContext& context, const DrawCandidate& candidate, const VisibleDraw& draw) {
+  const std::span<const std::uint32_t> vertices = copied_[copies_.size()];
+  if (vertices.empty()) return;
+  const Drawable& d = *candidate.drawable;
+  copies_.push_back({context.list.meshes[context.list.items[d.item].mesh].get(), vertices, d.key.color});
+  copied_vertices_ += vertices.size();
+  visible_.push_back(draw);
+  visible_.back().candidate = &candidate;
 }
 
 }  // namespace simvis

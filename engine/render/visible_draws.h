@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -15,14 +16,16 @@ namespace simvis {
 /// A candidate, or a part of one, that the view shows.
 struct VisibleDraw {
   enum class Kind : std::uint8_t {
-    mesh,       ///< the whole range of the candidate
-    clusters,   ///< consecutive clusters: `first` counts indices of the geometry pool
-    triangles,  ///< triangles that the host selected: `first` counts in VisibleDraws::indices()
-    points      ///< points that the host selected: `first` counts in VisibleDraws::point_positions()
+    mesh,              ///< the whole range of the candidate
+    clusters,          ///< consecutive clusters: `first` counts indices of the geometry pool
+    triangles,         ///< triangles that the host selected: `first` counts in VisibleDraws::indices()
+    copied_triangles,  ///< the same; their indices count in the vertices of copies(), from `first_vertex` on
+    points             ///< points that the host selected: `first` counts in the vertices of copies()
   };
   const DrawCandidate* candidate = nullptr;
   Kind kind = Kind::mesh;
   std::uint32_t first = 0, count = 0;  ///< of all but whole meshes
+  std::uint32_t first_vertex = 0;      ///< of copied triangles
 };
 
 /// Keeps its memory from view to view.
@@ -40,9 +43,12 @@ class VisibleDraws {
 
   /// What cull() has selected since begin().
   std::span<const std::uint32_t> indices() const { return indices_; }
-  /// Attributes are as many as positions, or empty in a view without colour.
-  std::span<const glm::vec3> point_positions() const { return point_positions_; }
-  std::span<const PackedAttributes> point_attributes() const { return point_attributes_; }
+  /// In the order of their draws.
+  std::span<const VertexCopies> copies() const { return copies_; }
+  /// The number of vertices of all copies.
+  std::size_t copied_vertices() const { return copied_vertices_; }
+  /// Of these, vertices of triangles: see FrameDrawLists::triangle_copies().
+  std::size_t triangle_copies() const { return triangle_copies_; }
 
  private:
   bool is_hidden(const ViewContext& context, const DrawCandidate& candidate) const;
@@ -53,6 +59,9 @@ class VisibleDraws {
   void select_triangles(const ViewContext& context, const DrawCandidate& candidate);
   void select_points(const ViewContext& context, const DrawCandidate& candidate);
   void add_triangles_from(const DrawCandidate& candidate, std::size_t first_index);
+  std::vector<std::uint32_t>& next_copied();
+  void copy_corners(std::size_t first_index, std::vector<std::uint32_t>& copied);
+  void add_copies(const ViewContext& context, const DrawCandidate& candidate, const VisibleDraw& draw);
 
   FacingTolerance tolerance_;                                // of the view
   OcclusionCuller occlusion_;                                // used if the view is not a strip
@@ -60,10 +69,10 @@ class VisibleDraws {
   PointSelector points_;                                     // used if selects_points_
   bool selects_triangles_ = false, selects_points_ = false;  // in the present view
   std::vector<const Cluster*> seen_clusters_;                // of one candidate
-  std::vector<std::uint32_t> selected_points_;               // of one mesh
   std::vector<std::uint32_t> indices_;
-  std::vector<glm::vec3> point_positions_;
-  std::vector<PackedAttributes> point_attributes_;
+  std::vector<VertexCopies> copies_;
+  std::deque<std::vector<std::uint32_t>> copied_;  // by copy; earlier views may have needed more
+  std::size_t copied_vertices_ = 0, triangle_copies_ = 0;
   std::vector<VisibleDraw> visible_;
 };
 

@@ -32,7 +32,7 @@ std::size_t selected(const TriangleSelector& selector, const std::vector<glm::ve
   const std::vector<std::uint32_t> vertices{0, 1, 2};
   const std::vector<std::uint8_t> corners{0, 1, 2};
   std::vector<std::uint32_t> indices;
-  selector.select(vertices, corners, positions, indices);
+  selector.select({.offsets = vertices}, corners, positions, indices);
   CHECK((indices.empty() || indices == vertices));
   return indices.size() / 3;
 }

@@ -144,7 +144,7 @@ TEST_CASE("a cached order that is not optimal costs time but loses no triangles"
   const Clustering clustering = make_clusters_cached(mesh, folder.path());
   std::size_t next = 0;
   for (const Cluster& cluster : clustering.clusters) {
-    const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
+    const ClusterVertices vertices = clustering.vertices_of(cluster);
     for (const std::uint8_t corner : clustering.corners_of(cluster)) {
       if (vertices[corner] != mesh.indices[next++]) FAIL("not in the order that the file says");
       const glm::dvec3 off = glm::abs(glm::dvec3(mesh.positions[vertices[corner]]) - glm::dvec3(cluster.center));

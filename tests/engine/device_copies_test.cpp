@@ -1,4 +1,5 @@
-// A mesh has a copy on the device only if a frame draws from it: strips select their triangles on the host.
+// A mesh has a copy on the device only if a frame draws from it: strips, and views of a CPU device of large meshes,
+// select their triangles on the host.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -10,7 +11,9 @@
 
 #include <simvis/device.h>
 #include <simvis/simulation.h>
+#include "engine/render/draw_cache.h"
 #include "engine/render/renderer.h"
+#include "scenegraph/height_map.h"
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
 #include "tests/support/wall_scene.h"
@@ -124,6 +127,97 @@ TEST_CASE("meshes that are added and removed for strips and pictures keep separa
     CHECK(depth_of(renderer, list, depth_plan(kPicture_px)) == depth_of(fresh, list, depth_plan(kPicture_px)));
     CHECK(renderer.counters().meshes_held == held + 1);
     CHECK(renderer.counters().mesh_bytes == bytes_of(list));
+  }
+}
+
+// A bumpy square of 4 m, 3 m in front of the eye, with as few vertices as a large mesh has.
+RendererScene large_scene() {
+  constexpr std::uint32_t kSide = 1024;
+  static_assert(kSide * kSide == kMinLargeVertices);
+  HeightPicture picture{.width = kSide, .height = kSide, .values = {}};
+  for (std::uint32_t i = 0; i < kSide * kSide; ++i) picture.values.push_back(static_cast<float>(i * 37 % 101) / 101);
+  Mesh mesh = mesh_in_place(height_map(picture, {4, 4}, 0, 0.05));
+  for (std::size_t i = 0; i < mesh.attributes.size(); ++i) mesh.attributes[i].color.r = static_cast<float>(i % 9) / 9;
+  RendererScene scene = scene_with_ambient(0.2);
+  Material material = colored({0.9, 0.8, 0.7, 1});
+  material.base_color_texture = four_texels();
+  scene.add(std::move(mesh), material, glm::rotate(at(0.2, 0.1, 3), 3.0, {1, 0.1, 0.05}));
+  scene.add_light({.kind = LightKind::directional}, glm::dmat4(1));
+  return scene;
+}
+
+struct Drawn {
+  std::vector<float> depth;
+  std::vector<glm::vec4> color;
+  std::vector<std::uint32_t> items;
+
+  bool operator==(const Drawn&) const = default;
+};
+
+// What the last pass shows.
+Drawn drawn(Renderer& renderer, const DrawList& list, const FramePlan& plan) {
+  const PassResult& result = renderer.render(list, plan).back();
+  return {copy(result.depth), copy(result.color), copy(result.items)};
+}
+
+TEST_CASE(
+    "views of a CPU device copy what they see of a large mesh, with the same bytes as from its copy on the device") {
+  RendererScene scene = large_scene();
+  scene.add(0, 0, glm::rotate(at(-0.5, 0.3, 3.5), 2.9, {1, 0, 0.1}));
+  const std::uint64_t others = device().is_cpu() ? 0 : 1;
+  struct Outputs {
+    bool color, depth, items;
+    std::uint32_t msaa;
+  };
+  for (const Outputs& outputs : {Outputs{true, true, false, 1}, {false, true, true, 1}, {true, false, false, 4}}) {
+    CAPTURE(outputs.color);
+    CAPTURE(outputs.msaa);
+    FramePlan plan = plan_of(30, 20, 15, outputs.color, outputs.depth);
+    plan.passes[0].items = outputs.items;
+    plan.passes[0].msaa = outputs.msaa;
+    plan.passes.push_back(plan.passes[0]);
+    view_of(plan).view_from_world = at(0.1, 0.2, 0.3);
+    FramePlan whole = plan;
+    view_of(whole).culled = false;
+    Renderer renderer(device());
+    const Drawn seen = drawn(renderer, scene.list, plan);
+    CHECK(renderer.counters().triangles > 1000);
+    CHECK(renderer.counters().meshes_held == others);
+    CHECK(drawn(renderer, scene.list, plan) == seen);
+    drawn(renderer, scene.list, whole);
+    CHECK(renderer.counters().meshes_held == 1);
+    CHECK(drawn(renderer, scene.list, plan) == seen);
+  }
+}
+
+TEST_CASE("a large mesh is on the device where copies of what views see would take more") {
+  RendererScene scene = large_scene();
+  Renderer renderer(device());
+  const FramePlan far = plan_of(120, kPicture_px, 60, true, false);
+  FramePlan near = plan_of(1200, 1200, 900, true, false), whole = near;
+  view_of(whole).culled = false;
+  SUBCASE("since a picture has many pixels") {
+    const Drawn seen = drawn(renderer, scene.list, near);
+    CHECK(renderer.counters().meshes_held == 1);
+    Renderer other(device());
+    drawn(other, scene.list, whole);
+    CHECK(drawn(other, scene.list, near) == seen);
+  }
+  SUBCASE("since a part of it has holes, or the list has changed after it was drawn for depth alone") {
+    FramePlan depth = depth_plan(kPicture_px);
+    view_of(depth).culled = false;
+    drawn(renderer, scene.list, depth);
+    CHECK(renderer.counters().meshes_held == 1);
+    scene.add(rectangle(-9, -9, 9, 9), Material{}, at(0, 0, 5));
+    Renderer fresh(device());
+    CHECK(drawn(renderer, scene.list, far) == drawn(fresh, scene.list, far));
+    Material holes;
+    holes.alpha_mode = AlphaMode::mask;
+    holes.base_color_texture = four_texels();
+    scene.add(0, scene.add_material(holes), at(0, 0, 4));
+    Renderer fresh_too(device());
+    CHECK(drawn(renderer, scene.list, far) == drawn(fresh_too, scene.list, far));
+    CHECK(renderer.counters().meshes_held == 2);
   }
 }
 
