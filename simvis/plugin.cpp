@@ -105,9 +105,4 @@ void load_plugin(const std::filesystem::path& file) {
   refuse(file, reason);
 }
 
-std::vector<std::string> loaded_plugins() {
-  const std::lock_guard lock(loading());
-  return accepted_files();
-}
-
 }  // namespace simvis

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include <simvis/export.h>
 
@@ -19,8 +17,5 @@ namespace simvis {
 /// Lifetime  must be called before a scene that uses the types is loaded.
 /// Threads   one thread at a time loads plug-ins; other threads may load and run simulations meanwhile.
 SIMVIS_API void load_plugin(const std::filesystem::path& file);
-
-/// The files that load_plugin() has loaded, as absolute names in their order. Threads: any.
-SIMVIS_API std::vector<std::string> loaded_plugins();
 
 }  // namespace simvis

@@ -1,5 +1,5 @@
 // Tests of robot software in C++: matchers that use the error bounds of measurements, for any test framework, and
-// <simvis/test_run.h>. All but pictures_near() is in headers. docs/testing.md has examples.
+// <simvis/test_run.h>, which needs simvis::testing. docs/testing.md has examples.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // What a matcher of <simvis/testing.h> says of a measurement, in words that a failing test prints.
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <ostream>
 #include <string>
@@ -8,6 +9,22 @@
 /// A namespace simvis::testing would make the names of GoogleTest's namespace `testing` ambiguous in tests with
 /// `using namespace simvis`.
 namespace simvis::test_kit {
+
+namespace detail {
+
+/// Nine digits, which tell any two floats apart.
+inline std::string number(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 9).ptr};
+}
+
+/// Three digits, of a bound or a difference.
+inline std::string short_number(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 3).ptr};
+}
+
+}  // namespace detail
 
 /// The beam of a scan that a verdict is about.
 struct JudgedBeam {

@@ -125,7 +125,6 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     const std::optional<FrameTime> time = next_time();
     if (!time) break;
     if (frame >= first_frame) begin_outlets();
-    if (frame + 1 == options_.frames && !options_.failure.empty()) simulation_.warn(options_.failure);
     const std::int64_t start_ns = now_ns();
     if (!step()) continue;  // it is tried again
     const double step_ms = static_cast<double>(now_ns() - start_ns) / 1e6;

@@ -26,8 +26,8 @@ struct Options {
   SimulationDesc simulation;          ///< the settings that have an option of their own
   std::vector<std::string> datasets;  ///< their formats; empty: the files of a run
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
-                     record, record_policy = "wait", udp, export_file, page, failure, compare, compare_topic,
-                     completion, save_state, restore_state;
+                     record, record_policy = "wait", udp, export_file, page, compare, compare_topic, completion,
+                     save_state, restore_state;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics, record_pcap;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data", dds_node = DdsDesc{}.node;

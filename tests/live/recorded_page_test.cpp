@@ -1,8 +1,13 @@
 // simvis-run --export and --page: the files appear, and a browser shows the page.
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <string>
 
+#include <simvis/simulation.h>
+#include <simvis/trajectory.h>
+#include "program/live/page_recording.h"
+#include "simvis/built_scene.h"
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/skip.h"
@@ -30,12 +35,29 @@ struct RecordedRun {
     write_text(folder / "s.xml", kScene);
     write_text(folder / "t.csv", "time_s,MOVE.x\n0,0\n1,0.5\n2,0\n");
     result = run_simvis({(folder / "s.xml").string(), "--trajectory", (folder / "t.csv").string(), "--rate", "1",
-                         "--frames", "3", "--failure", "at 2 s: MOVE has moved", "--out", (folder / "out").string(),
-                         "--export", (folder / "views/s.glb").string(), "--page", (folder / "views/s.html").string()});
+                         "--frames", "3", "--out", (folder / "out").string(), "--export",
+                         (folder / "views/s.glb").string(), "--page", (folder / "views/s.html").string()});
   }
   TemporaryFolder folder;
   ProcessResult result;
 };
+
+/// Writes the page of the same run by a program that adds a warning to its last frame, as the runs of tests do.
+void write_page_with_warning(const RecordedRun& run, const std::filesystem::path& file) {
+  SimulationDesc desc;
+  desc.rate_hz = 1;
+  Simulation simulation = Simulation::load(run.folder / "s.xml", desc);
+  read_all_content(simulation);
+  const Trajectory trajectory(run.folder / "t.csv", simulation.parameters());
+  live::PageRecording page(file);
+  for (int frame = 0; frame < 3; ++frame) {
+    trajectory.apply(frame, simulation.parameters());
+    if (frame == 2) simulation.warn("at 2 s: MOVE has moved");
+    simulation.step();
+    page.add(simulation, *simulation.last_frame());
+  }
+  page.finish();
+}
 
 TEST_CASE("a run writes the scene and the page beside its results, and a browser shows it") {
   const RecordedRun run;
@@ -47,9 +69,10 @@ TEST_CASE("a run writes the scene and the page beside its results, and a browser
   CHECK(page.find("id=\"frame-1\"") != std::string::npos);
   CHECK(page.find("src=\"") == std::string::npos);  // it loads nothing
   CHECK(page.find("href=\"http") == std::string::npos);
+  write_page_with_warning(run, run.folder / "warned.html");
   // Debian's Python has Debian's packages.
   const ProcessResult browser = Process({"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/browse_page.py",
-                                         (run.folder / "views/s.html").string(), (run.folder / "out").string()})
+                                         (run.folder / "warned.html").string(), (run.folder / "out").string()})
                                     .wait(std::chrono::seconds(250));
   INFO(browser.out << browser.err);
   if (browser.exit_code == test::kSkippedExitCode) return test::skip(browser.out);

@@ -8,6 +8,21 @@ run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/outside -B ${build} -
 run(${CMAKE_COMMAND} --build ${build})
 run(${build}/outside)
 message("${output}")
+# A failing test leaves a page and a recording with the types of its own program, without simvis-run in the PATH.
+file(WRITE ${FOLDER}/own.xml "<simvis><element type='own_gripper' name='GRIPPER' insert_at='ROOT'/>"
+     "<sensor type='own_battery' name='BATTERY' insert_at='ROOT'/></simvis>")
+run(${CMAKE_COMMAND} -E env PATH=/nowhere ${build}/failing_run ${FOLDER}/own.xml ${FOLDER}/evidence)
+message("${output}")
+set(evidence ${FOLDER}/evidence/outside)
+string(REGEX REPLACE "([][+.*()^])" "\\\\\\1" expected "${evidence}")
+if(NOT output MATCHES "^at [0-9.]+ s: the charge is 0.4[0-9]+\npage:      file://${expected}/failure.html#frame=[0-9]+\nrecording: ${expected}/failure.mcap\n$")
+  message(FATAL_ERROR "a failing test says \"${output}\", expected its page and its recording in ${evidence}")
+endif()
+file(STRINGS ${evidence}/failure.mcap recorded REGEX "BATTERY" LIMIT_COUNT 1)
+file(STRINGS ${evidence}/failure.html frames REGEX "id=.frame-0." LIMIT_COUNT 1)
+if(NOT recorded OR NOT frames)
+  message(FATAL_ERROR "the recording or the page in ${evidence} lacks what was measured")
+endif()
 # A client is a project of its own: COMPONENTS client.
 run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/outside_client -B ${build}_client
     -DCMAKE_PREFIX_PATH=${PREFIX})

@@ -1,4 +1,5 @@
-// libsimvis.so exports the names that its public headers mark, the few that simvis-run needs, and nothing else.
+// libsimvis.so and libsimvis-testing.so export the names that the public headers mark, the few that simvis-run needs,
+// and nothing else.
 #include <cxxabi.h>
 #include <doctest/doctest.h>
 
@@ -191,12 +192,14 @@ struct Symbol {
 };
 
 std::vector<Symbol> dynamic_symbols() {
-  const ProcessResult nm = Process({"nm", "-D", "--defined-only", tested_build() + "/lib/libsimvis.so"}).wait();
-  REQUIRE(nm.exit_code == 0);
   std::vector<Symbol> symbols;
-  std::istringstream lines(nm.out);
-  std::string address, kind, name;
-  while (lines >> address >> kind >> name) symbols.push_back({kind.front(), name});
+  for (const char* const library : {"libsimvis.so", "libsimvis-testing.so"}) {
+    const ProcessResult nm = Process({"nm", "-D", "--defined-only", tested_build() + "/lib/" + library}).wait();
+    REQUIRE(nm.exit_code == 0);
+    std::istringstream lines(nm.out);
+    std::string address, kind, name;
+    while (lines >> address >> kind >> name) symbols.push_back({kind.front(), name});
+  }
   return symbols;
 }
 
@@ -234,7 +237,7 @@ bool is_public(const std::string& name, const Declared& declared) {
 
 }  // namespace
 
-TEST_CASE("the library exports what its public headers mark and what simvis-run needs, and nothing else") {
+TEST_CASE("the libraries export what the public headers mark and what simvis-run needs, and nothing else") {
   if (sanitized()) return test::skip("a sanitizer exports names of its own");
   const Declared declared = read_headers();
   std::set<std::string> exported;
@@ -254,6 +257,7 @@ TEST_CASE("the library exports what its public headers mark and what simvis-run 
     }
   }
   CHECK(exported.contains("Simulation::step"));
+  CHECK(exported.contains("Run::step"));
   CHECK(exported.contains("InputError"));  // its type, which is thrown
 }
 

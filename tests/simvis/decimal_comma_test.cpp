@@ -10,7 +10,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include <simvis/test_run.h>
+#include <simvis/verdict.h>
 #include "engine/base/decimal.h"
 #include "program/report/scene_list.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
@@ -71,7 +71,7 @@ std::string texts() {
     Simulation::from_string(R"(<sensor type="laser_scanner" name="S" insert_at="ROOT" )"
                             R"(min_angle="10.5" max_angle="-0.5"/>)");
   });
-  return all + test_kit::detail::number(0.5) + test_kit::detail::exact(0.1);
+  return all + test_kit::detail::number(0.5) + test_kit::detail::short_number(0.1);
 }
 
 }  // namespace

@@ -1,13 +1,18 @@
-// <simvis/test_run.h>: runs that are checked, and the evidence that a failing one leaves, by simvis-run.
+// <simvis/test_run.h>: runs that are checked, and the evidence that a failing one leaves.
 #include <doctest/doctest.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
+#include <simvis/element.h>
+#include <simvis/reading_sensor.h>
 #include <simvis/testing.h>
+#include <zlib.h>
 #include "tests/support/error_of.h"
-#include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -24,12 +29,9 @@ constexpr std::string_view kScene = R"(<simvis>
   <sensor type="laser_scanner" name="SCAN" insert_at="ROBOT" samples="1" min_angle="0" max_angle="0"/>
 </simvis>)";
 
-/// A scene file, the folder of evidence, and the program that makes it.
+/// A scene file and the folder of evidence.
 struct Tested {
-  Tested() {
-    write_text(folder / "wall.xml", kScene);
-    ::setenv("SIMVIS_RUN", simvis_run().c_str(), 1);
-  }
+  Tested() { write_text(folder / "wall.xml", kScene); }
   RunDesc desc(double limit_s) const {
     return {.limit_s = limit_s,
             .simulation = {.rate_hz = 8, .device = {}, .overrides = {}},
@@ -40,6 +42,69 @@ struct Tested {
 };
 
 bool says(const Verdict& verdict, std::string_view text) { return verdict.text.find(text) != std::string::npos; }
+
+/// The bytes that base64 stands for.
+std::string decoded(std::string_view text) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < text.size() && text[i] != '='; ++i) {
+    bits = bits << 6 | static_cast<std::uint32_t>(kDigits.find(text[i]));
+    if (i % 4 != 0) bytes += static_cast<char>(bits >> (6 - i % 4 * 2));
+  }
+  return bytes;
+}
+
+/// The messages of a frame of a page; empty: it has no such frame.
+std::string frame_of(const std::string& page, std::size_t frame) {
+  const std::string begin = "id=\"frame-" + std::to_string(frame) + "\">";
+  const std::size_t start = page.find(begin);
+  if (start == page.npos) return {};
+  const std::size_t first = start + begin.size();
+  const std::string compressed = decoded(std::string_view(page).substr(first, page.find('<', first) - first));
+  std::string bytes(1 << 20, 0);  // more than any frame of these scenes
+  uLongf size = bytes.size();
+  REQUIRE(::uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(compressed.data()),
+                       compressed.size()) == Z_OK);
+  bytes.resize(size);
+  return bytes;
+}
+
+// Types of this test's program: an element with one parameter, and a sensor that measures how often any of its kind has
+// measured.
+constexpr AttributeSpec kTargetAttributes[] = {
+    {.name = "reach", .default_value = "2", .unit = "m", .text = "how far a made-up arm reaches", .live = true}};
+
+struct Target : Element {
+  void update(ParameterView) override {}
+};
+
+const ElementRegistration kTarget({
+    .name = "test_run_target",
+    .summary = "an element of a test",
+    .attributes = kTargetAttributes,
+    .create = [](const ElementContext&) -> std::unique_ptr<Element> { return std::make_unique<Target>(); },
+});
+
+const TableColumn kCounterColumns[] = {
+    {.name = "count_of_test", .format = "%.9g", .unit = "1", .meaning = "measurements", .in_message = true}};
+double counted = 0;
+
+class Counter : public ReadingSensor {
+ public:
+  Counter() : ReadingSensor({std::begin(kCounterColumns), std::end(kCounterColumns)}) {}
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override {
+    set_reading(time, {++counted});
+  }
+  std::string method() const override { return "counts"; }
+};
+
+const SensorRegistration kCounter({
+    .name = "test_run_counter",
+    .summary = "a sensor of a test",
+    .create = [](const SensorContext&) -> std::unique_ptr<Sensor> { return std::make_unique<Counter>(); },
+    .outputs = [](const SensorContext&) { return column_outputs(kCounterColumns, OutputKind::scalar); },
+});
 
 TEST_CASE("a run ends at its limit, and a passing one leaves nothing") {
   const Tested tested;
@@ -53,7 +118,7 @@ TEST_CASE("a run ends at its limit, and a passing one leaves nothing") {
   CHECK_FALSE(std::filesystem::exists(tested.folder / "evidence"));
 }
 
-TEST_CASE("a failing run stops, and leaves a page, a recording and a command that measure the same") {
+TEST_CASE("a failing run stops, and leaves a page and a recording that have measured the same") {
   const Tested tested;
   Run run(tested.folder / "wall.xml", tested.desc(10));
   run.always([](const Simulation& sim) { return clear_of(sim.scan("SCAN"), 2); }, "keeps 2 m away");
@@ -69,17 +134,13 @@ TEST_CASE("a failing run stops, and leaves a page, a recording and a command tha
   CHECK(says(failed, "at 0.875 s: keeps 2 m away: beam 0 measures 1."));
   const std::filesystem::path evidence = tested.folder / "evidence/a_test";
   CHECK(says(failed, (evidence / "failure.html").string() + "#frame=7&select=beam:SCAN:0\nrecording: "));
-  CHECK(std::filesystem::file_size(evidence / "failure.html") > 0);
   CHECK(std::filesystem::file_size(evidence / "failure.mcap") > 0);
-  // The page and the recording have it as a warning, and so has the run that wrote them.
-  CHECK(read_text(evidence / "run/run.json").find("at 0.875 s: keeps 2 m away: beam 0") != std::string::npos);
-  const Table measured = read_csv(evidence / "run/SCAN.csv");
-  const auto column = std::ranges::find(measured.columns, "range_m") - measured.columns.begin();
-  REQUIRE(measured.rows.size() == 8);
-  CHECK(std::stof(measured.rows.back()[static_cast<std::size_t>(column)]) == run.sim().scan("SCAN").range_m[0]);
-  CHECK(says(failed, "--again " + (evidence / "run/run.json").string()));
-  CHECK(run_simvis({"--quiet", "--again", evidence / "run/run.json", "--out", evidence / "again"}).exit_code == 0);
-  CHECK(read_text(evidence / "again/SCAN.csv") == read_text(evidence / "run/SCAN.csv"));
+  // Frame 7 is the last one, and has the failure as a warning.
+  const std::string page = read_text(evidence / "failure.html");
+  CHECK(contains(frame_of(page, 7), "at 0.875 s: keeps 2 m away: beam 0 measures 1."));
+  CHECK(frame_of(page, 6).find("keeps 2 m away") == std::string::npos);
+  CHECK(frame_of(page, 8).empty());
+  CHECK_FALSE(says(failed, "the repeated run measured something else"));
   CHECK_FALSE(run.step());  // it stays ended
 }
 
@@ -97,27 +158,64 @@ TEST_CASE("a check that fails by itself leaves evidence once") {
 
 TEST_CASE("each failure has a folder of its own") {
   const Tested tested;
-  ::setenv("SIMVIS_RUN", "/bin/true", 1);
   for (const char* const folder : {"a_test", "a_test-2", "a_test-3"}) {
     Run run(tested.folder / "wall.xml", tested.desc(1));
     REQUIRE(run.step());
     CHECK(says(run.check({false, "it is wrong"}), (tested.folder / "evidence" / folder / "failure.html").string()));
-    CHECK(std::filesystem::exists(tested.folder / "evidence" / folder / "values.csv"));
+    CHECK(std::filesystem::exists(tested.folder / "evidence" / folder / "failure.html"));
   }
 }
 
-TEST_CASE("the run is repeated on the device that was asked for") {
+TEST_CASE("the run is repeated with the settings of the test") {
   const Tested tested;
-  const std::filesystem::path program = tested.folder / "program", arguments = tested.folder / "arguments";
-  write_text(program, "#!/bin/sh\necho \"$@\" > " + arguments.string() + "\n");
-  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-  ::setenv("SIMVIS_RUN", program.c_str(), 1);
+  std::string scene(kScene);
+  scene.insert(scene.find("samples="), "range_noise='0.1' ");
+  write_text(tested.folder / "wall.xml", scene);
   RunDesc desc = tested.desc(1);
-  desc.simulation.device.select = "0";
+  desc.simulation.seed = 7;
+  desc.simulation.strict = true;
+  desc.simulation.overrides = {{"laser_scanner", "samples", "3", ""}, {"laser_scanner", "max_angle", "10", ""}};
   Run run(tested.folder / "wall.xml", desc);
   REQUIRE(run.step());
-  run.check({false, "it is wrong"});
-  CHECK(read_text(arguments).find("--device 0 ") != std::string::npos);
+  REQUIRE(run.sim().scan("SCAN").beams == 3);
+  const Verdict noisy = run.check(range_near(run.sim().scan("SCAN"), 0, kWall_m));
+  CHECK_FALSE(noisy);
+  CHECK(says(noisy, "#frame=0&select=beam:SCAN:0\nrecording: "));
+  CHECK_FALSE(says(noisy, "something else"));
+}
+
+TEST_CASE("types of the test's own program are on the page and in the recording") {
+  const Tested tested;
+  write_text(tested.folder / "own.xml",
+             "<simvis><element type='test_run_target' name='TARGET' insert_at='ROOT'/>"
+             "<sensor type='test_run_counter' name='COUNTER' insert_at='ROOT'/></simvis>");
+  Run run(tested.folder / "own.xml", tested.desc(1));
+  REQUIRE(run.step());
+  run.sim().set("TARGET", "reach", 2.375);
+  REQUIRE(run.step());
+  counted = 0;  // so that the repeated run measures the same
+  const Verdict failed = run.check({false, "it is wrong"});
+  CHECK_FALSE(says(failed, "something else"));
+  const std::filesystem::path evidence = tested.folder / "evidence/a_test";
+  const std::string page = read_text(evidence / "failure.html"), first = frame_of(page, 0), last = frame_of(page, 1);
+  for (const char* const name :
+       {"TARGET", "test_run_target", "reach", "COUNTER", "test_run_counter", "count_of_test"}) {
+    CAPTURE(name);
+    CHECK(contains(first, name));
+  }
+  CHECK(first.find("2.375") == std::string::npos);
+  CHECK(contains(last, "2.375"));
+  CHECK(contains(read_text(evidence / "failure.mcap"), "COUNTER"));
+}
+
+TEST_CASE("a repeated run that measures something else says so") {
+  const Tested tested;
+  write_text(tested.folder / "own.xml",
+             "<simvis><sensor type='test_run_counter' name='COUNTER' insert_at='ROOT'/></simvis>");
+  Run run(tested.folder / "own.xml", tested.desc(1));
+  REQUIRE(run.step());
+  CHECK(says(run.check({false, "it is wrong"}),
+             "\nthe repeated run measured something else: COUNTER.count_of_test\npage: "));
 }
 
 TEST_CASE("names that leave the folder of evidence, and no name of a scene, are refused") {
@@ -132,7 +230,6 @@ TEST_CASE("names that leave the folder of evidence, and no name of a scene, are 
 
 TEST_CASE("an empty SIMVIS_EVIDENCE names no folder") {
   const Tested tested;
-  ::setenv("SIMVIS_RUN", "/bin/true", 1);
   ::setenv("SIMVIS_EVIDENCE", "", 1);
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(tested.folder.path());
@@ -157,44 +254,39 @@ TEST_CASE("a step that fails is no frame of the evidence") {
   run.sim().set("MOVE", "x", 0);
   REQUIRE(run.step());
   run.check({false, "it is wrong"});
-  CHECK(read_csv(tested.folder / "evidence/a_test/values.csv").rows.size() == 2);
+  const std::string page = read_text(tested.folder / "evidence/a_test/failure.html");
+  CHECK_FALSE(frame_of(page, 1).empty());
+  CHECK(frame_of(page, 2).empty());
 }
 
 TEST_CASE("what prevents evidence is said beside the failure") {
   const Tested tested;
-  ::setenv("SIMVIS_RUN", "/there/is/no/such/program", 1);
-  Run run(tested.folder / "wall.xml", tested.desc(1));
-  REQUIRE(run.step());
-  const Verdict failed = run.check({false, "it is wrong"});
-  CHECK(says(failed, "it is wrong"));
-  CHECK(
-      says(failed,
-           "no evidence: /there/is/no/such/program cannot be started: No such file or directory; SIMVIS_RUN names the "
-           "program"));
+  const std::filesystem::path scene = tested.folder / "wall.xml";
+  RunDesc desc = tested.desc(1);
+  desc.evidence = scene;  // which is no folder
+  const auto text_of = [&](const auto& before_check) {
+    Run run(scene, desc);
+    REQUIRE(run.step());
+    before_check();
+    return run.check({false, "it is wrong"}).text;
+  };
+  CHECK(text_of([] {}).starts_with("at 0 s: it is wrong\nno evidence: filesystem error: "));
+  desc.evidence = tested.folder / "evidence";
+  CHECK(text_of([&] { std::filesystem::remove(scene); }) ==
+        "at 0 s: it is wrong\nno evidence: " + scene.string() + ": error: cannot be read: No such file or directory");
 }
 
-TEST_CASE("a program that is not in the PATH, and one that fails, are told apart") {
+TEST_CASE("a folder whose name is no part of a link is written as one") {
   const Tested tested;
-  const std::string path = std::getenv("PATH");
-  const auto fault = [&](const char* program) {
-    Run run(tested.folder / "wall.xml", tested.desc(1));
-    REQUIRE(run.step());
-    program == nullptr ? ::unsetenv("SIMVIS_RUN") : ::setenv("SIMVIS_RUN", program, 1);
-    const std::string text = run.check({false, "it is wrong"}).text;
-    return text.substr(text.find('\n') + 1);
-  };
-  ::setenv("PATH", tested.folder.path().c_str(), 1);
-  CHECK(fault(nullptr) == "no evidence: simvis-run is not in the PATH; SIMVIS_RUN names the program");
-  ::setenv("PATH", path.c_str(), 1);
-  CHECK(contains(fault("false"), "no evidence: false ended with status 1, its message stands above; SIMVIS_RUN"));
-  write_text(tested.folder / "killed", "#!/bin/sh\nkill -9 $$\n");
-  std::filesystem::permissions(tested.folder / "killed", std::filesystem::perms::owner_all);
-  CHECK(contains(fault((tested.folder / "killed").c_str()), "killed was ended by signal 9; SIMVIS_RUN"));
+  RunDesc desc = tested.desc(1);
+  desc.evidence = tested.folder / "what failed #1";
+  Run run(tested.folder / "wall.xml", desc);
+  REQUIRE(run.step());
+  CHECK(says(run.check({false, "it is wrong"}), "/what%20failed%20%231/a_test/failure.html#frame=0\n"));
 }
 
 TEST_CASE("the page selects the beam that failed, of the scanner that has it") {
   const Tested tested;
-  ::setenv("SIMVIS_RUN", "/bin/true", 1);
   std::string scene(kScene);
   scene.insert(scene.find("</simvis>"),
                "<sensor type='laser_scanner' name='REAR SIDE' insert_at='ROBOT' samples='3' vertical_samples='2' "

@@ -101,7 +101,7 @@ bool is_release() {
 std::vector<fs::path> built_files() {
   const fs::path build = tested_build();
   std::vector<fs::path> files{build / "bin/simvis-run", build / "bin/simvis-ctl", build / "lib/libsimvis.so",
-                              build / "lib/libsimvis-client.so"};
+                              build / "lib/libsimvis-client.so", build / "lib/libsimvis-testing.so"};
   for (const fs::directory_entry& file : fs::directory_iterator(build / "lib/simvis")) {
     if (file.path().filename().string().starts_with("simvis-")) files.push_back(file.path());
   }

@@ -25,7 +25,6 @@ const std::map<std::string, std::string> kCreators = {
     {"engine/base/temporary_file.cpp", "the function"},
     {"engine/base/result_lock.cpp", "empty files of locks"},
     {"exchange/clients/simvis_ctl.c", "reads"},
-    {"include/simvis/test_run.h", "the evidence of a test, in a new folder of its own"},
     {"import/programs/inventor/checked_fopen.cpp", "reads"},
     {"import/programs/inventor/checked_fopen.h", "reads"},
     {"import/programs/system_calls.cpp", "refuses calls that create"},

@@ -1,7 +1,7 @@
 # What `cmake --install` puts where, and what makes find_package(simvis) work.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS simvis EXPORT simvisTargets)
+install(TARGETS simvis simvis-testing EXPORT simvisTargets)
 install(TARGETS simvis-run)
 install(DIRECTORY include/simvis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 # find_package(simvis COMPONENTS client): what other processes need, without the simulator.
