@@ -152,17 +152,6 @@ void DelayedSensor::archive(StateArchive& state) {
   state(frame_ns_, is_made_again_);
 }
 
-// Consumers keep what has arrived.
-void DelayedSensor::forget() {
-  if (auto* const own = dynamic_cast<Stateful*>(sensor_.get())) own->forget();
-  state_.kept.reset();
-  state_.under_way.clear();
-  state_.latest_ns = 0;
-  before_ = state_;
-  frame_ns_.reset();
-  is_made_again_ = false;
-}
-
 void DelayedSensor::archive(StateArchive& state, State& all) const {
   state(all.latest_ns, all.has_arrived);
   if (all.has_arrived) {

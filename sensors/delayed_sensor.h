@@ -41,8 +41,6 @@ class DelayedSensor : public Sensor, public Stateful {
   HistoryDependence history_dependence() const override { return HistoryDependence::measurements; }
   void skip_frame(const FrameTime& time, const glm::dmat4& pose) override { sensor_->skip_frame(time, pose); }
   void archive(StateArchive& state) override;
-  std::string unsaved() const override { return unsaved_state(*sensor_); }
-  void forget() override;
   SensorNeeds needs() const override { return sensor_->needs(); }
   void begin(const FrameTime& time) override;
   void sense(const SensedWorld& world) override { sensor_->sense(world); }

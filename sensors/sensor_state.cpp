@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 #include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -60,16 +61,12 @@ void archive_array(StateArchive& state, MeasuredArray& array, const std::vector<
 
 }  // namespace
 
-std::string unsaved_state(const Sensor& sensor) {
-  if (const auto* const own = dynamic_cast<const Stateful*>(&sensor)) return own->unsaved();
-  const HistoryDependence dependence = sensor.history_dependence();
-  if (dependence == HistoryDependence::none) return {};
-  if (dependence == HistoryDependence::poses && dynamic_cast<const ReadingSensor*>(&sensor) != nullptr) return {};
-  return "its measurements depend on earlier frames, expected it to be off";
-}
-
 void archive_state(StateArchive& state, Sensor& sensor) {
-  if (auto* const own = dynamic_cast<Stateful*>(&sensor)) own->archive(state);
+  if (auto* const own = dynamic_cast<Stateful*>(&sensor)) return own->archive(state);
+  const HistoryDependence dependence = sensor.history_dependence();
+  if (dependence == HistoryDependence::none) return;
+  if (dependence == HistoryDependence::poses && dynamic_cast<const ReadingSensor*>(&sensor) != nullptr) return;
+  state.refuse("its measurements depend on earlier frames, expected a type that is Stateful");
 }
 
 void archive_measurement(StateArchive& state, Measurement& measurement) {

@@ -1,19 +1,14 @@
 // The states of sensors, and measurements as a part of them.
 #pragma once
 
-#include <string>
-
 #include <simvis/measurement.h>
 #include <simvis/sensor.h>
 #include <simvis/state_archive.h>
 
 namespace simvis {
 
-/// Why the state of a sensor cannot be saved, as Stateful::unsaved(). A sensor whose measurements depend on earlier
-/// frames has to be Stateful, except for one that only reads the motion of its world.
-std::string unsaved_state(const Sensor& sensor);
-
-/// The state of a sensor for which unsaved_state() is empty.
+/// The state of a sensor, if it has one. A sensor whose measurements depend on earlier frames has to be Stateful,
+/// except for one that only reads the motion of its world. Throws InputError for another one.
 void archive_state(StateArchive& state, Sensor& sensor);
 
 /// Writes or reads the stamp, the pose and the numbers of a measurement. The measurement that is read into keeps its

@@ -6,6 +6,7 @@
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include "sensors/output_check.h"
+#include "sensors/sensor_state.h"
 
 namespace simvis {
 
@@ -23,7 +24,9 @@ bool SensorStates::follow(const std::function<void(const BuiltSensor&)>& added) 
     }
   }
   if (!removed && known == before.end()) return false;
-  std::erase_if(shown, [&](const auto& each) { return std::ranges::count(built, each.first, &BuiltSensor::id) == 0; });
+  const auto is_gone = [&](const auto& each) { return std::ranges::count(built, each.first, &BuiltSensor::id) == 0; };
+  std::erase_if(shown, is_gone);
+  std::erase_if(restored, is_gone);
   return true;
 }
 
@@ -49,7 +52,8 @@ const Measurement& SensorStates::measurement(std::size_t i) {
   SensorState& state = all[i];
   if (state.measurement) return *state.measurement;
   Measurement now = built[i].sensor->measurement();
-  const std::string different = measurement_difference(*built[i].sensor, now, built[i].outputs, state.frames > 0);
+  const std::string different =
+      measurement_difference(*built[i].sensor, now, built[i].outputs, state.frames > 0 && state.has_measured);
   if (!different.empty()) {
     fail_at(built[i].command.where, "sensor " + in_quotes(built[i].name) + ": " + different);
   }
@@ -63,9 +67,29 @@ ObservedScan SensorStates::scan(std::string_view name) const {
   if (found != shown.end()) {
     return {&found->second.scan, found->second.scan.world_from_sensor, found->second.count};
   }
+  return own_scan(i);
+}
+
+ObservedScan SensorStates::own_scan(std::size_t i) const {
   if (all[i].frames == 0) return {};
-  const Scan* const scan = built[i].sensor->scan();
+  const auto found = restored.find(all[i].sensor);
+  const bool is_restored = found != restored.end() && found->second.frames == all[i].frames;
+  const Scan* const scan = is_restored ? &found->second.scan : built[i].sensor->scan();
   return {scan, scan == nullptr ? all[i].world_from_sensor : scan->world_from_sensor, all[i].frames};
+}
+
+void SensorStates::archive_scans(StateArchive& state) {
+  if (state.is_reading()) restored.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool has_scan = built[i].sensor->scan() != nullptr && all[i].frames > 0;
+    if (!has_scan || built[i].delayed != nullptr) continue;  // what has arrived is a part of the sensor's own state
+    Measurement measurement = *own_scan(i).scan;
+    archive_measurement(state, measurement);
+    if (!state.is_reading()) continue;
+    std::optional<Scan> scan = to_scan(std::move(measurement));
+    state.require(scan.has_value());
+    restored.emplace(all[i].sensor, RestoredScan{*std::move(scan), all[i].frames});
+  }
 }
 
 void SensorStates::begin_frame() {
@@ -75,6 +99,7 @@ void SensorStates::begin_frame() {
 
 void SensorStates::add_measured(std::size_t i) {
   ++all[i].frames;
+  all[i].has_measured = true;
   measured.push_back(built[i].name);
 }
 

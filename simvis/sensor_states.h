@@ -14,6 +14,7 @@
 #include <simvis/element.h>
 #include <simvis/measurement.h>
 #include <simvis/scan.h>
+#include <simvis/state_archive.h>
 #include <simvis/step_costs.h>
 #include "simvis/scene_builder.h"
 
@@ -23,10 +24,17 @@ struct SensorState {
   std::size_t sensor = 0;  ///< BuiltSensor::id
   bool enabled = true;
   std::uint64_t frames = 0;                  ///< in which it has measured
+  bool has_measured = false;                 ///< in this simulation, whose state may be that of another one
   glm::dmat4 world_from_sensor{1.0};         ///< at its last measurement
   std::vector<std::string> effects{};        ///< names of the effects it has had
   bool rate_checked = false;                 ///< whether the frames keep its rate
   std::optional<Measurement> measurement{};  ///< the last one, checked; empty until it is read
+};
+
+/// The last scan of a restored state.
+struct RestoredScan {
+  Scan scan;
+  std::uint64_t frames = 0;  ///< SensorState::frames at that scan
 };
 
 /// A scan that is shown in place of a sensor's own one.
@@ -51,16 +59,22 @@ struct SensorStates {
   /// What visualization elements show of a sensor: the scan that was shown in its place, or its own last one.
   ObservedScan scan(std::string_view name) const;
 
+  /// Writes or reads the scans that visualization elements observe, but those of show_scan().
+  void archive_scans(StateArchive& state);
+
   void begin_frame();
   void add_measured(std::size_t index);
   /// The frame counts as not made.
   void discard_frame();
 
+  ObservedScan own_scan(std::size_t index) const;
+
   const std::vector<BuiltSensor>& built;
-  std::vector<SensorState> all;            ///< as long as `built`, after follow()
-  std::vector<std::string> measured;       ///< names of the sensors that measured in this frame
-  std::vector<SensorCost> costs;           ///< of those, if the device is instrumented
-  std::map<std::size_t, ShownScan> shown;  ///< by BuiltSensor::id
+  std::vector<SensorState> all;                  ///< as long as `built`, after follow()
+  std::vector<std::string> measured;             ///< names of the sensors that measured in this frame
+  std::vector<SensorCost> costs;                 ///< of those, if the device is instrumented
+  std::map<std::size_t, ShownScan> shown;        ///< by BuiltSensor::id
+  std::map<std::size_t, RestoredScan> restored;  ///< the same; what visualization elements show until the next scan
 };
 
 }  // namespace simvis

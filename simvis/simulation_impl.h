@@ -106,7 +106,6 @@ struct SimulationImpl : Observations {
   std::string save_state();
   void restore_state(std::string_view bytes);
   void archive(StateArchive& state);
-  void leave_present();
   void archive_elements(StateArchive& state);
   void archive_sensors(StateArchive& state);
 

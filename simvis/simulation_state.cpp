@@ -12,7 +12,6 @@
 #include <simvis/version.h>
 #include "engine/base/binary_numbers.h"
 #include "engine/base/fnv1a.h"
-#include "sensors/delayed_sensor.h"
 #include "sensors/sensor_state.h"
 #include "simvis/simulation_impl.h"
 
@@ -120,13 +119,6 @@ void update_all(BuiltScene& built) {
 std::string SimulationImpl::save_state() {
   finish();
   measure_skipped();
-  for (std::size_t i = 0; i < sensors.all.size(); ++i) {
-    const BuiltSensor& sensor = scene.built.sensors[i];
-    const std::string why = sensors.all[i].enabled ? unsaved_state(*sensor.sensor) : std::string();
-    if (why.empty()) continue;
-    throw InputError("the state of sensor " + in_quotes(sensor.name) + " of type " + sensor.type +
-                     " cannot be saved: " + why);
-  }
   StateArchive state;
   archive_scene(state, desc, scene.built.parameters.changes());
   archive(state);
@@ -156,16 +148,8 @@ void SimulationImpl::restore_state(std::string_view bytes) {
       throw InputError("the state has a number of values that is not possible, expected one of this scene");
     }
   }
-  leave_present();
-}
-
-// What is no part of a state ends with it.
-void SimulationImpl::leave_present() {
   for (std::size_t i = 0; i < sensors.all.size(); ++i) {
-    const BuiltSensor& sensor = scene.built.sensors[i];
-    if (sensor.delayed != nullptr) sensors.all[i].measurement.reset();
-    auto* const own = dynamic_cast<Stateful*>(sensor.sensor.get());
-    if (own != nullptr && !own->unsaved().empty()) own->forget();
+    if (scene.built.sensors[i].delayed != nullptr) sensors.all[i].measurement.reset();
   }
   sensors.begin_frame();
 }
@@ -189,7 +173,8 @@ void SimulationImpl::archive(StateArchive& state) {
       if (enabled != sensors.all[i].enabled) enable(scene.built.sensors[i].name, enabled);
     }
   });
-  if (state.is_reading() && !state.keeps_all()) state.set_frames(timeline.last_ns(), next_frame().time_ns);
+  state.set_frames(timeline.last_ns(), next_frame().time_ns);
+  state.set_graph(*scene.built.scene.root());
   archive_elements(state);
   archive_sensors(state);
 }
@@ -211,9 +196,10 @@ void SimulationImpl::archive_sensors(StateArchive& state) {
     const BuiltSensor& sensor = scene.built.sensors[i];
     state.object("sensor " + in_quotes(sensor.name), [&] {
       state(own.frames, own.world_from_sensor);
-      if (unsaved_state(*sensor.sensor).empty()) archive_state(state, *sensor.sensor);
+      archive_state(state, *sensor.sensor);
     });
   }
+  if (visualization) state.object("the scans that are shown", [&] { sensors.archive_scans(state); });
   state.object("the motion that sensors follow", [&] { sensed.archive(state); });
 }
 

@@ -55,6 +55,13 @@ void LaserBeamsElement::observe(const Observations& seen) {
   stale_ = false;
 }
 
+// The beams are drawn again from the scan that is observed next. Without one there are none.
+void LaserBeamsElement::archive(StateArchive& state) {
+  if (!state.is_reading()) return;
+  nodes_.shape->set_mesh(MarkerMesh().take(name_));
+  stale_ = true;
+}
+
 void LaserBeamsElement::draw(const Scan& scan) {
   MarkerMesh markers;
   const auto every = static_cast<std::size_t>(look_.every);

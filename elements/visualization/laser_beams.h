@@ -11,6 +11,7 @@
 #include <string>
 
 #include <simvis/element.h>
+#include <simvis/state_archive.h>
 #include "elements/visualization/marker_mesh.h"
 
 namespace simvis {
@@ -22,11 +23,12 @@ struct LaserBeamsLook {
   glm::vec3 color{1, 0.05f, 0.02f};
 };
 
-class LaserBeamsElement : public Element {
+class LaserBeamsElement : public Element, public Stateful {
  public:
   explicit LaserBeamsElement(const ElementContext& context);
   void update(ParameterView values) override;
   void observe(const Observations& seen) override;
+  void archive(StateArchive& state) override;
 
  private:
   void draw(const Scan& scan);

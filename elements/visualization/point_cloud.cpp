@@ -1,6 +1,7 @@
 #include "elements/visualization/point_cloud.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -127,6 +128,45 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
     if (is_hit(range_m)) newest.points_m.emplace_back(origin_m + range_m * direction);
   });
   draw(newest);
+}
+
+// The nodes of batches stand in another order than their scans were made: it decides which of two points is drawn that
+// lie in one place. Points of a file are those of its command.
+void PointCloudElement::archive(StateArchive& state) {
+  if (scanner_.empty()) return;
+  const std::vector<NodePtr>& nodes = separator_->children();
+  std::vector<std::uint64_t> places;  // among the batches of the graph, by age
+  const auto first = static_cast<std::ptrdiff_t>(nodes.size() - batches_.size());
+  for (const Batch& each : batches_) {
+    places.push_back(static_cast<std::uint64_t>(std::ranges::find(nodes, each.separator) - nodes.begin() - first));
+  }
+  state(seen_, places);
+  if (state.is_reading()) replace_batches(state, places);
+  for (Batch& each : batches_) {
+    glm::dmat4 world_from_batch = each.place->matrix();
+    state.finite(world_from_batch);
+    state(each.points_m);
+    state.require(
+        std::ranges::all_of(each.points_m, [](const glm::vec3& p) { return std::isfinite(p.x + p.y + p.z); }));
+    each.place->set_matrix(world_from_batch);
+  }
+}
+
+void PointCloudElement::replace_batches(const StateArchive& state, std::span<const std::uint64_t> places) {
+  std::vector<std::size_t> age(places.size(), places.size());  // by place
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    state.require(places[i] < places.size() && age[places[i]] == places.size());
+    age[places[i]] = i;
+  }
+  for (const Batch& each : batches_) separator_->remove(*each.separator);
+  batches_.clear();
+  std::deque<Batch> by_age(places.size());
+  for (const std::size_t each : age) {
+    add_batch();
+    by_age[each] = std::move(batches_.back());
+  }
+  batches_ = std::move(by_age);
+  stale_ = true;
 }
 
 void PointCloudElement::color_points(const Batch& batch, Mesh& mesh, std::size_t count) const {

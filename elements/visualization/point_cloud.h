@@ -11,10 +11,12 @@
 
 #include <cstdint>
 #include <deque>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <simvis/element.h>
+#include <simvis/state_archive.h>
 #include "elements/visualization/marker_mesh.h"
 #include "elements/visualization/point_file.h"
 
@@ -26,25 +28,27 @@ struct PointCloudLook {
   glm::vec3 color{0, 0.6f, 0.9f};
 };
 
-class PointCloudElement : public Element {
+class PointCloudElement : public Element, public Stateful {
  public:
   /// Throws InputError unless exactly one of file and scanner is given, and if the file has an error.
   explicit PointCloudElement(const ElementContext& context);
   void update(ParameterView values) override;
   void observe(const Observations& seen) override;
+  void archive(StateArchive& state) override;
 
  private:
   // The points of the file or of one scan, with an origin near them: separator { place, shape }.
   struct Batch {
-    std::shared_ptr<Separator> separator;
-    std::shared_ptr<Transform> place;
-    std::shared_ptr<Shape> shape;
+    std::shared_ptr<Separator> separator{};
+    std::shared_ptr<Transform> place{};
+    std::shared_ptr<Shape> shape{};
     std::vector<glm::vec3> points_m{};  // relative to `place`
     std::vector<glm::vec3> colors{};    // of the points; empty: the element's colour
     std::shared_ptr<Mesh> shown{}, shown_before{};
   };
   void add_file(const ElementContext& context);
   Batch& add_batch();
+  void replace_batches(const StateArchive& state, std::span<const std::uint64_t> places);
   void read_scan(const ObservedScan& observed);
   void draw(Batch& batch);
   void color_points(const Batch& batch, Mesh& mesh, std::size_t count) const;

@@ -62,6 +62,14 @@ bool TrailElement::add_point(const Observations& seen) {
   return true;
 }
 
+void TrailElement::archive(StateArchive& state) {
+  std::size_t points = path_.size();
+  state.count(points, sizeof(glm::dvec3));
+  path_.resize(points);
+  for (glm::dvec3& each : path_) state.finite(each);
+  if (state.is_reading()) stale_ = true;
+}
+
 void TrailElement::draw() {
   MarkerMesh markers;
   if (!path_.empty()) {

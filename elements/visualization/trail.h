@@ -12,6 +12,7 @@
 #include <string>
 
 #include <simvis/element.h>
+#include <simvis/state_archive.h>
 #include "elements/visualization/marker_mesh.h"
 
 namespace simvis {
@@ -22,11 +23,12 @@ struct TrailLook {
   glm::vec3 color{0.05f, 0.2f, 0.9f};
 };
 
-class TrailElement : public Element {
+class TrailElement : public Element, public Stateful {
  public:
   explicit TrailElement(const ElementContext& context);
   void update(ParameterView values) override;
   void observe(const Observations& seen) override;
+  void archive(StateArchive& state) override;
 
  private:
   bool add_point(const Observations& seen);

@@ -205,14 +205,14 @@ class SIMVIS_API Simulation {
   /// begins with finish(), and changes no later frame. Frames after restore_state() are byte for byte those that follow
   /// now, on this machine and with this version of SimVis, in this simulation or in another one with the same settings
   /// and the same commands, those of execute() included. What sensors have measured is no part of it, except for
-  /// measurements that are still under way; nor are outlets, pulls of pointers, and what visualization elements have
-  /// drawn. The bytes may be kept in a file. Throws InputError naming an enabled sensor whose state cannot be saved: a
-  /// scanner of method "auto", a visualization camera, an event camera, a camera with flow; or if a body has exploded.
+  /// measurements that are still under way and scans that visualization cameras show; nor are outlets and pulls of
+  /// pointers. The bytes may be kept in a file. Throws InputError if a body has exploded, or naming a sensor or effect
+  /// of a plug-in that depends on earlier frames and is not Stateful.
   std::string save_state();
   /// Goes on from a state of save_state(), any number of times. It begins with finish(). Sensors keep what they have
-  /// measured last until they measure again; measured() is empty. One whose state cannot be saved begins anew. All or
-  /// nothing: changes nothing and throws InputError if the bytes are cut off, damaged, of another version or of another
-  /// scene; MachineError if a sensor is on in the state that draws, and no device fits.
+  /// measured last until they measure again; measured() is empty. All or nothing: changes nothing and throws InputError
+  /// if the bytes are cut off, damaged, of another version or of another scene; MachineError if a sensor is on in the
+  /// state that draws, and no device fits.
   void restore_state(std::string_view state);
 
   /// The time of the frame that the next step makes.

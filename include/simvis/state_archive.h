@@ -24,6 +24,8 @@
 
 namespace simvis {
 
+class Group;
+
 /// Writes values one after the other, or reads them in the same order.
 ///
 /// Bytes    numbers are little-endian, without gaps. The bytes are read by the version of SimVis that wrote them.
@@ -78,6 +80,9 @@ class SIMVIS_API StateArchive {
     next_ns_ = next_ns;
   }
   std::int64_t last_ns() const { return last_ns_; }  ///< simulated time of the last frame; 0: there is none
+  /// Notes the graph of the scene, which outlives the archive: what it has anyway is written as a number.
+  void set_graph(const Group& root) { graph_ = &root; }
+  const Group& graph() const { return *graph_; }  ///< that of set_graph(), which was called before
   /// As require(), of a time at which something was measured: a frame that failed has the time of the next one.
   void require_past(std::int64_t time_ns) const { require(!is_reading_ || (time_ns >= 0 && time_ns <= next_ns_)); }
   /// Throws InputError: "the state does not fit OBJECT: WHY", or "the state of OBJECT cannot be saved: WHY".
@@ -173,6 +178,7 @@ class SIMVIS_API StateArchive {
 
   bool is_reading_ = false, keeps_all_ = false;
   std::int64_t last_ns_ = 0, next_ns_ = 0;
+  const Group* graph_ = nullptr;
   std::string written_;
   std::string_view unread_;
   std::vector<std::string> open_;  // titles of the objects that are under way, the innermost one last
@@ -186,12 +192,6 @@ class SIMVIS_API Stateful {
   /// Writes the state between two frames, or replaces it by one that an object of the same command has written. Of an
   /// element, update() with all values comes first.
   virtual void archive(StateArchive& state) = 0;
-  /// Why the state cannot be saved, with what is expected: "method auto follows from earlier frames, expected another
-  /// method". Empty: it can.
-  virtual std::string unsaved() const { return {}; }
-  /// Forgets earlier frames: the next measurement is a first one. Called in place of archive() when a state has been
-  /// restored, if unsaved() says why there is none of this object.
-  virtual void forget() {}
 };
 
 }  // namespace simvis

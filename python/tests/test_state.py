@@ -1,5 +1,7 @@
 """Saved states go on to the bit."""
+import pathlib
 import random
+import tempfile
 import unittest
 
 import simvis
@@ -14,6 +16,19 @@ SCENE = """<simvis>
   <element type="body" name="TOP_BODY" insert_at="TOP" mass="1"/>
   <sensor type="imu" name="IMU" insert_at="BOX"/>
   <sensor type="odometry" name="ODOM" insert_at="TOP" kind="wheel" slip_stddev="0.01"/>
+</simvis>"""
+
+
+HISTORY = """<simvis>
+  <element type="light" name="SUN" insert_at="ROOT"/>
+  <part name="BOX" insert_at="ROOT" shape="box" size="0.6 0.6 0.6" pose_offset="3 0 0 0 0 0"/>
+  <element type="pose" name="MOVE" insert_at="BOX"/>
+  <element type="trail" name="PATH" insert_at="ROOT" part="BOX" step="0.02" width="0.1"/>
+  <sensor type="event_camera" name="EVENTS" insert_at="ROOT" width="8" height="6" leak="20" picture="on"/>
+  <sensor type="camera" name="FLOW" insert_at="ROOT" width="8" height="6" outputs="flow_backward flow_forward"/>
+  <sensor type="camera" name="LATE" insert_at="ROOT" width="8" height="6" outputs="flow_forward occlusion" delay="0.15"/>
+  <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="5" method="auto" resolution="128"/>
+  <sensor type="camera" name="SHOWN" insert_at="ROOT" width="8" height="6" view="visualization"/>
 </simvis>"""
 
 
@@ -38,6 +53,27 @@ class SavedStates(unittest.TestCase):
             restored = sim if i % 2 else other
             restored.restore_state(states[k])
             self.assertEqual(frame(restored), frames[k])
+
+    def test_sensors_with_history_from_files(self) -> None:
+        def measured(sim: simvis.Simulation, index: int) -> list[bytes]:
+            sim["MOVE"].y = 0.02 * index
+            sim.step()
+            outputs = (("EVENTS", "picture"), ("EVENTS", "time_s"), ("FLOW", "flow_backward"), ("FLOW", "flow_forward"),
+                       ("LATE", "flow_forward"), ("SCAN", "range_m"), ("SHOWN", "color"))
+            return [sim[sensor].measurement[output].tobytes() for sensor, output in outputs]
+
+        sim, other = simvis.Simulation.from_string(HISTORY), simvis.Simulation.from_string(HISTORY)
+        with tempfile.TemporaryDirectory() as folder:
+            frames = []
+            for i in range(8):
+                pathlib.Path(folder, f"state{i}").write_bytes(sim.save_state())
+                frames.append(measured(sim, i))
+            generator = random.Random(2)
+            for i in range(40):
+                k = generator.randrange(len(frames))
+                restored = sim if i % 2 else other
+                restored.restore_state(pathlib.Path(folder, f"state{k}").read_bytes())
+                self.assertEqual(measured(restored, k), frames[k])
 
     def test_errors(self) -> None:
         sim = simvis.Simulation.from_string(SCENE)

@@ -129,8 +129,4 @@ std::vector<NumberOnRequest> Camera::on_request() const {
   return {{std::string(kDepthErrorBound), "m", eye_.depth_bound()}};
 }
 
-std::string Camera::unsaved() const {
-  return visualization() ? "what it shows depends on earlier measurements, expected it to be off" : eye_.unsaved();
-}
-
 }  // namespace simvis

@@ -65,8 +65,6 @@ class Camera : public Sensor, public Stateful {
   }
   void begin(const FrameTime& time) override { eye_.begin(time); }
   void archive(StateArchive& state) override { eye_.archive(state); }
-  std::string unsaved() const override;
-  void forget() override { eye_.forget(); }
   bool shows_splats() const override { return eye_.shows_splats(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override {

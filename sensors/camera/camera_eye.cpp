@@ -508,26 +508,14 @@ void CameraEye::archive(StateArchive& state) {
   // Of a frame that failed, both are the one before; the next frame comes behind it.
   state.require(!before_ || (last_ && before_->time_ns <= last_->time_ns));
   state.require(!before_ || !state.is_reading() || before_->time_ns <= state.last_ns());
+  if (flow_) flow_->archive(state);
   for (const ChosenCameraEffect& each : desc_.effects) {
     if (auto* const own = dynamic_cast<Stateful*>(std::const_pointer_cast<CameraEffect>(each.effect).get())) {
       own->archive(state);
+    } else if (each.effect->remembers()) {
+      state.refuse("effect " + std::string(each.type->name) + " remembers earlier images, expected it to be Stateful");
     }
   }
-}
-
-std::string CameraEye::unsaved() const {
-  if (flow_) return "flow needs the previous scene, expected no output of flow";
-  for (const ChosenCameraEffect& each : desc_.effects) {
-    if (!each.effect->remembers() || dynamic_cast<const Stateful*>(each.effect.get()) != nullptr) continue;
-    return "effect " + std::string(each.type->name) + " depends on earlier images, expected none like it";
-  }
-  return {};
-}
-
-void CameraEye::forget() {
-  before_.reset();
-  last_.reset();
-  if (flow_) flow_->forget();
 }
 
 }  // namespace simvis

@@ -55,10 +55,8 @@ class CameraEye {
   SensorNeeds needs() const;
   void begin(const FrameTime& time);
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_camera);
-  /// As those of Stateful.
+  /// As that of Stateful.
   void archive(StateArchive& state);
-  std::string unsaved() const;
-  void forget();
 
   /// Views of one kind in the plan of a frame: they fill a pass for each of CameraViews::pass_size_px.
   struct Drawing {

@@ -4,9 +4,66 @@
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "scenegraph/archived_surfaces.h"
 #include "scenegraph/motion_path.h"
 
 namespace simvis {
+namespace {
+
+// A scene of a saved state, which no keeper has.
+struct ArchivedScene {
+  DrawList list;
+  KeptScene scene{.list = list, .shape = {}, .moves = {}};
+};
+
+void archive_joint(StateArchive& state, ScrewMotion& joint) {
+  state.finite(joint.point_m, joint.turn_rad, joint.way_m);
+}
+
+void archive_piece(StateArchive& state, MotionPiece& piece) {
+  state.finite(piece.begin, piece.end, piece.point_m, piece.until_end.turn, piece.until_end.way_m);
+  state.require(piece.begin < piece.end);
+  std::size_t joints = piece.joints.size();
+  state.count(joints, sizeof(ScrewMotion));
+  piece.joints.resize(joints);
+  for (ScrewMotion& each : piece.joints) archive_joint(state, each);
+}
+
+void archive_move(StateArchive& state, ItemMove& move) {
+  MotionPath path = state.is_reading() ? MotionPath() : *move.path;
+  std::size_t pieces = path.pieces.size();
+  state(move.item);
+  state.count(pieces, 2 * sizeof(double));
+  state.require(pieces > 0);
+  path.pieces.resize(pieces);
+  for (MotionPiece& each : path.pieces) archive_piece(state, each);
+  if (state.is_reading()) move.path = std::make_shared<const MotionPath>(std::move(path));
+}
+
+void archive_scene(StateArchive& state, std::shared_ptr<const KeptScene>& scene) {
+  const auto archived = std::make_shared<ArchivedScene>();
+  if (!state.is_reading()) {
+    archived->list = scene->list;
+    archived->scene.shape = scene->shape;
+    archived->scene.moves = scene->moves;
+  }
+  auto& [list, kept] = *archived;
+  archive_surfaces(state, list);
+  state(kept.shape);
+  state.require(kept.shape.size() == list.items.size());
+  std::size_t moves = kept.moves.size();
+  state.count(moves, sizeof(std::uint32_t));
+  kept.moves.resize(moves);
+  std::uint64_t next = 0;
+  for (ItemMove& each : kept.moves) {
+    archive_move(state, each);
+    state.require(each.item >= next && each.item < list.items.size());
+    next = std::uint64_t{each.item} + 1;
+  }
+  if (state.is_reading()) scene = {archived, &kept};
+}
+
+}  // namespace
 
 std::shared_ptr<const KeptScene> SceneKeeper::keep(const SensedScene& scene, std::span<const ItemMove> moves) {
   auto free = std::ranges::find_if(kept_, [](const std::shared_ptr<Kept>& each) { return each.use_count() == 1; });
@@ -43,6 +100,29 @@ std::size_t CameraMoment::rows_at(double y_px) const {
   SIMVIS_ASSERT(!rows.empty());
   const auto behind = std::ranges::upper_bound(rows, y_px, {}, [](const PosedRows& each) { return each.first; });
   return behind == rows.begin() ? 0 : static_cast<std::size_t>(behind - rows.begin()) - 1;
+}
+
+void PosedRows::archive(StateArchive& state) {
+  state(first, count);
+  state.finite(world_from_view, share);
+  state.require(share <= 0);
+}
+
+void CameraMoment::archive(StateArchive& state) {
+  state(time_ns, rows);
+  state.require_past(time_ns);
+  archive_scene(state, scene);
+}
+
+void MomentHistory::archive(StateArchive& state) {
+  state(now_);
+  const bool is_made_again = now_ && now_->time_ns > state.last_ns();
+  if (is_made_again) {
+    state(before_);
+    state.require(!before_ || before_->time_ns < now_->time_ns);
+  } else if (state.is_reading()) {
+    before_.reset();
+  }
 }
 
 void MomentHistory::add(CameraMoment moment) {

@@ -13,6 +13,7 @@
 #include <simvis/frame_plan.h>
 #include <simvis/pose.h>
 #include <simvis/sensor_needs.h>
+#include <simvis/state_archive.h>
 #include "sensors/camera/surface_layer.h"
 
 namespace simvis {
@@ -22,6 +23,8 @@ struct PosedRows {
   std::uint32_t first = 0, count = 0;
   glm::dmat4 world_from_view{1.0};  ///< rigid
   double share = 0;                 ///< their time, as a share of each item's move; at most 0
+
+  void archive(StateArchive& state);
 };
 
 /// The scene of one frame, kept beyond it.
@@ -64,6 +67,9 @@ struct CameraMoment {
   std::vector<ItemPlace> places(std::size_t of_rows) const;
   /// The rows that have this height in the image, or are nearest to it.
   std::size_t rows_at(double y_px) const;
+
+  /// The scene of a moment that is read is as rays meet it, see archive_surfaces().
+  void archive(StateArchive& state);
 };
 
 /// The moment of a sensor's frame and of the one before, in which it was due.
@@ -73,6 +79,10 @@ class MomentHistory {
   void add(CameraMoment moment);
   const CameraMoment* now() const { return now_ ? &*now_ : nullptr; }
   const CameraMoment* before() const { return before_ ? &*before_ : nullptr; }
+
+  /// The next frame is compared with now(), unless it makes the frame of now() again, which failed: before() is a part
+  /// of the state only then.
+  void archive(StateArchive& state);
 
  private:
   std::optional<CameraMoment> now_, before_;

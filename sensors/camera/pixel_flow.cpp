@@ -120,11 +120,55 @@ PixelFlow::PixelFlow(const FlowDesc& desc, const CameraLayout& layout, const Cam
           "no flow; expected another effect, or outputs without flow");
 }
 
-void PixelFlow::forget() {
-  history_ = {};
+void PixelFlow::archive(StateArchive& state) {
+  state(history_);
+  for (const CameraMoment* const each : {history_.now(), history_.before()}) {
+    if (each != nullptr) require_rows(state, *each);
+  }
+  if (desc_.forward) {
+    archive(state, drawn_);
+    archive(state, drawn_before_);
+  }
+  if (!state.is_reading()) return;
   backward_.reset();
   forward_.reset();
-  drawn_.time_ns = drawn_before_.time_ns = skipped_ns_ = seen_ns_ = seen_before_ns_ = kNever;
+  skipped_ns_ = seen_ns_ = seen_before_ns_ = kNever;
+}
+
+void PixelFlow::require_rows(const StateArchive& state, const CameraMoment& moment) const {
+  auto next = moment.rows.begin();
+  std::uint32_t next_row = 0;
+  for (const CameraView& view : views_.views) {
+    if (view.first_row < next_row) continue;
+    next_row = view.first_row + view.rows;
+    state.require(next != moment.rows.end() && next->first == view.first_row && next->count == view.rows);
+    if (next != moment.rows.end()) ++next;
+  }
+  state.require(next == moment.rows.end());
+}
+
+// The moment of the state that has this time; null: there is none.
+const CameraMoment* PixelFlow::compared(const StateArchive& state, std::int64_t time_ns) const {
+  const CameraMoment *const now = history_.now(), *const before = history_.before();
+  if (now == nullptr || now->time_ns == time_ns) return now;
+  return now->time_ns > state.last_ns() && before != nullptr && before->time_ns == time_ns ? before : nullptr;
+}
+
+void PixelFlow::archive(StateArchive& state, DrawnPoints& drawn) const {
+  bool is_there = compared(state, drawn.time_ns) != nullptr;
+  state(is_there);
+  if (!is_there) {
+    if (state.is_reading()) drawn.time_ns = kNever;
+    return;
+  }
+  state(drawn.time_ns, drawn.depth_m, drawn.item);
+  const CameraMoment* const moment = compared(state, drawn.time_ns);
+  const std::size_t pixels = std::size_t{layout_.width_px} * layout_.height_px;
+  state.require(moment != nullptr && drawn.depth_m.size() == pixels && drawn.item.size() == pixels);
+  for (std::size_t pixel = 0; pixel < drawn.item.size() && state.is_reading(); ++pixel) {
+    state.require(drawn.item[pixel] == kNoItem || drawn.item[pixel] < moment->scene->list.items.size());
+    state.require(drawn.item[pixel] == kNoItem || std::isfinite(drawn.depth_m[pixel]));
+  }
 }
 
 void PixelFlow::begin(CameraMoment now) {

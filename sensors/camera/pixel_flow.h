@@ -67,8 +67,8 @@ class PixelFlow {
     skipped_ns_ = now.time_ns;
     history_.add(std::move(now));
   }
-  /// The next image is a first one.
-  void forget();
+  /// As that of Stateful. Of cast images the surfaces are no part of it: they are cast again.
+  void archive(StateArchive& state);
   /// Adds the rays of this image, beyond those through the centres of its pixels. `name` is that of the sensor.
   void plan(const std::string& name, bool drawn, FramePlan& plan) const;
 
@@ -113,7 +113,7 @@ class PixelFlow {
     std::size_t number = 0;  // in the image
     glm::dvec2 centre{0};
   };
-  // The points of a drawn image.
+  // The points of a drawn image: by pixel.
   struct DrawnPoints {
     std::int64_t time_ns = kNever;
     std::vector<double> depth_m;      // [y * width + x], along Z; read only if there is an item
@@ -124,6 +124,9 @@ class PixelFlow {
                        const glm::dvec3& ray, const SeenSurface& surface);
   static void set(Direction& direction, const Written& images, const FlowPixel& pixel, const ImagePoint& point,
                   const std::optional<glm::dvec2>& place);
+  void require_rows(const StateArchive& state, const CameraMoment& moment) const;
+  const CameraMoment* compared(const StateArchive& state, std::int64_t time_ns) const;
+  void archive(StateArchive& state, DrawnPoints& drawn) const;
   void start_drawn();
   void keep_drawn(std::size_t pixel, const ImagePoint& point) {
     drawn_.item[pixel] = point.item;

@@ -33,7 +33,7 @@ PointFlow::PointFlow(const CameraLayout& layout, const CameraMoment& from, const
   for (std::uint32_t item = 0; item < other_.size(); ++item) {
     if (other_[item] == kNoItem) continue;
     const auto &mesh = list.meshes[list.items[item].mesh], &then = other.meshes[other.items[other_[item]].mesh];
-    if (mesh == then || !same_triangles(*mesh, *then)) continue;
+    if (mesh == then || !same_triangles(*mesh, *then) || mesh->positions == then->positions) continue;
     deforms_[item] = 1;
     any_deforms_ |= list.items[item].visible;
   }

@@ -63,11 +63,6 @@ class StereoCamera : public Sensor, public Stateful {
     left_.archive(state);
     right_.archive(state);
   }
-  std::string unsaved() const override { return left_.unsaved(); }
-  void forget() override {
-    left_.forget();
-    right_.forget();
-  }
   bool shows_splats() const override { return left_.shows_splats() || right_.shows_splats(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;

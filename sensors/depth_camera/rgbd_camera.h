@@ -67,8 +67,6 @@ class RgbdCamera : public Sensor, public Stateful {
   HistoryDependence history_dependence() const override { return eye_.history_dependence(); }
   void begin(const FrameTime& time) override { eye_.begin(time); }
   void archive(StateArchive& state) override { eye_.archive(state); }
-  std::string unsaved() const override { return eye_.unsaved(); }
-  void forget() override { eye_.forget(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& caster) override;

@@ -66,6 +66,14 @@ const SensorRegistration kEventCameraRegistration(
 
 double microseconds_of(double time_ns) { return std::floor(time_ns / 1000); }
 
+// What of a list changes the light of pixels beside places: not the air, which a pixel does not show.
+DrawList tables_of(const DrawList& list) {
+  DrawList tables = list;
+  tables.world_from_node.clear();
+  tables.medium = {};
+  return tables;
+}
+
 }  // namespace
 
 AttributeRows<EventCameraDesc> EventCameraDesc::rows() {
@@ -93,15 +101,10 @@ EventCamera::EventCamera(std::string name, const EventCameraDesc& desc)
       desc_(desc),
       optics_(name_, camera_layout(desc.pinhole, desc.effects), desc.pinhole.near_m),
       light_(optics_, desc.pinhole.near_m),
-      memory_(no_memory()),
+      memory_{.pixels = {desc.model, std::size_t{desc.pinhole.width_px} * desc.pinhole.height_px, desc.seed, name_}},
       before_(memory_) {
   set_constant("width_px", desc.pinhole.width_px);
   set_constant("height_px", desc.pinhole.height_px);
-}
-
-EventCamera::Memory EventCamera::no_memory() const {
-  const std::size_t pixels = std::size_t{desc_.pinhole.width_px} * desc_.pinhole.height_px;
-  return {.pixels = {desc_.model, pixels, desc_.seed, name_}};
 }
 
 // A frame that was not finished is repeated: it follows the same measurement again.
@@ -110,14 +113,17 @@ void EventCamera::begin(const FrameTime& time) {
   if (!is_first() && memory_.time_ns >= time.time_ns) memory_ = before_;
 }
 
+// Revisions are those of one simulation. The memory of another one is compared by content.
+bool EventCamera::has_same_tables(const DrawList& list) const {
+  if (memory_.tables == nullptr) return content_hash(tables_of(list)) == memory_.tables_hash;
+  const DrawList::Revisions &now = list.revisions, &then = memory_.tables->revisions;
+  return now.structure == then.structure && now.materials == then.materials && now.lights == then.lights &&
+         list.environment == memory_.tables->environment && list.sky == memory_.tables->sky;
+}
+
 // Whether the light may differ for other reasons than the moves of items and of the camera.
 bool EventCamera::has_changed_otherwise(const DrawList& list) const {
-  const DrawList::Revisions &now = list.revisions, &then = memory_.revisions;
-  if (now.structure != then.structure || now.materials != then.materials || now.lights != then.lights ||
-      list.environment != memory_.environment || list.sky != memory_.sky ||
-      list.world_from_node.size() != memory_.world_from_node.size()) {
-    return true;
-  }
+  if (!has_same_tables(list) || list.world_from_node.size() != memory_.world_from_node.size()) return true;
   const auto is_elsewhere = [&](std::uint32_t node) {
     return list.world_from_node[node] != memory_.world_from_node[node];
   };
@@ -234,10 +240,10 @@ void EventCamera::publish(std::vector<PixelEvent> events) {
   events.erase(late, events.end());
   std::ranges::sort(events, {},
                     [](const PixelEvent& event) { return std::tuple(event.time_ns, event.pixel, event.on); });
+  if (memory_.tables == nullptr || !has_same_tables(*list_)) {
+    memory_.tables = std::make_shared<const DrawList>(tables_of(*list_));
+  }
   memory_.time_ns = time_.time_ns;
-  memory_.revisions = list_->revisions;
-  memory_.environment = list_->environment;
-  memory_.sky = list_->sky;
   memory_.world_from_node = list_->world_from_node;
   std::vector<double> rows;
   rows.reserve(5 * events.size());
@@ -263,6 +269,33 @@ void EventCamera::draw(const std::vector<PixelEvent>& events) {
     color[0] = event.on ? 1 : 0;
     color[1] = 0;
     color[2] = event.on ? 0 : 1;
+  }
+}
+
+// The memory before that of a frame is a part of the state if that frame failed, so that it is made again.
+void EventCamera::archive(StateArchive& state) {
+  archive(state, memory_);
+  if (!is_first() && memory_.time_ns > state.last_ns()) archive(state, before_);
+}
+
+void EventCamera::archive(StateArchive& state, Memory& memory) const {
+  constexpr double kMaxLight = 1e30;  // luminance, in the units of the scene's lights
+  const std::size_t pixels = std::size_t{desc_.pinhole.width_px} * desc_.pinhole.height_px;
+  state(memory.time_ns, memory.light);
+  state.require(memory.light.empty() || memory.light.size() == pixels);
+  state.require_past(memory.time_ns);
+  for (const double light : memory.light) state.require(light >= 0 && light <= kMaxLight);
+  std::uint64_t hash = memory.tables == nullptr ? memory.tables_hash : content_hash(*memory.tables);
+  state(hash);
+  if (state.is_reading()) {
+    memory.tables = nullptr;
+    memory.tables_hash = hash;
+  }
+  state(memory.world_from_node);
+  memory.pixels.archive(state);
+  state(memory.delayed);
+  for (const PixelEvent& each : memory.delayed) {
+    state.require(each.pixel < pixels && each.time_ns > static_cast<double>(memory.time_ns));
   }
 }
 

@@ -58,9 +58,7 @@ class EventCamera : public ReadingSensor, public Stateful {
     moves_ = world.item_moves();
     path_ = &world.sensor_path();
   }
-  void archive(StateArchive& /*state*/) override {}  // it is never saved
-  std::string unsaved() const override { return "events depend on earlier frames, expected it to be off"; }
-  void forget() override { memory_ = before_ = no_memory(); }
+  void archive(StateArchive& state) override;
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
@@ -73,16 +71,16 @@ class EventCamera : public ReadingSensor, public Stateful {
   /// What a measurement leaves for the next one.
   struct Memory {
     std::int64_t time_ns = 0;
-    DrawList::Revisions revisions{};
-    Environment environment{};
-    SkyView sky{};
+    std::shared_ptr<const DrawList> tables{};  // of its list, without places; null: restored, see tables_hash
+    std::uint64_t tables_hash = 0;             // of the content of the tables, if there are none
     std::vector<glm::dmat4> world_from_node{};
     std::vector<double> light{};  // by pixel; empty before the first measurement
     EventPixels pixels;
     std::vector<PixelEvent> delayed{};  // not sent yet
   };
-  Memory no_memory() const;
   bool is_first() const { return memory_.light.empty(); }
+  void archive(StateArchive& state, Memory& memory) const;
+  bool has_same_tables(const DrawList& list) const;
   bool has_changed_otherwise(const DrawList& list) const;
   /// What a thread needs to follow pixels.
   struct Worker {

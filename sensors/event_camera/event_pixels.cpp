@@ -88,6 +88,22 @@ void EventPixels::begin(std::uint32_t pixel, double light) {
   states_[pixel] = {.reference = output - below, .output = output, .blocked_s = 0};
 }
 
+// Without a refractory time the reference is within the thresholds of a pixel: each distance beyond them is an event,
+// of which a stranger's numbers must not make more than light does.
+void EventPixels::archive(StateArchive& state) {
+  constexpr double kMaxLogarithm = 100;  // of a luminance
+  constexpr double kMaxMissed = 1e6;     // by a blocked pixel: of light, of leaks and of noise
+  constexpr double kRounding = 1e-6;     // of some 1e6 events and leaks below 1e3, each by 2^-53 of the sum so far
+  for (std::size_t pixel = 0; pixel < states_.size(); ++pixel) {
+    auto& [reference, output, blocked_s] = states_[pixel];
+    state.finite(reference, output, blocked_s);
+    state.require(std::abs(output) <= kMaxLogarithm && blocked_s >= 0 && blocked_s <= desc_.refractory_s + kRounding);
+    const Thresholds& own = thresholds_[pixel];
+    const double most = desc_.refractory_s > 0 ? kMaxMissed : std::max(own.on, own.off) + kRounding;
+    state.require(std::abs(output - reference) <= most);
+  }
+}
+
 bool EventPixels::acts_in_constant_light() const {
   return desc_.refractory_s > 0 || desc_.leak_hz > 0 || desc_.cutoff_hz > 0 || desc_.shot_noise_hz > 0 || is_brownian();
 }

@@ -38,6 +38,7 @@
 #include <vector>
 
 #include <simvis/philox.h>
+#include <simvis/state_archive.h>
 #include "scenegraph/language/attribute_rows.h"
 #include "sensors/event_camera/light_curve.h"
 
@@ -65,6 +66,11 @@ struct PixelEvent {
   double time_ns = 0;  ///< simulated time
   std::uint32_t pixel = 0;
   bool on = false;  ///< brighter
+
+  void archive(StateArchive& state) {
+    state.finite(time_ns);
+    state(pixel, on);
+  }
 };
 
 /// Light between two measurements.
@@ -84,6 +90,9 @@ class EventPixels {
   /// Appends the events of a pixel, by time of their crossings. `frame` names random numbers. Several threads may
   /// follow different pixels at a time.
   void follow(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light, std::vector<PixelEvent>& events);
+
+  /// As that of Stateful.
+  void archive(StateArchive& state);
 
   /// Thresholds of a pixel.
   double on(std::uint32_t pixel) const { return thresholds_[pixel].on; }

@@ -158,6 +158,7 @@ void LaserScanner::skip_frame(const FrameTime& time, const glm::dmat4& world_fro
 }
 
 void LaserScanner::archive(StateArchive& state) {
+  if (desc_.method == ScanMethod::automatic) archive_choice(state);
   bool has_before = context_.before.has_value();
   state(has_before);
   if (!has_before) return context_.before.reset();
@@ -167,14 +168,19 @@ void LaserScanner::archive(StateArchive& state) {
   state.finite(context_.before->world_from_sensor);
 }
 
-std::string LaserScanner::unsaved() const {
-  if (desc_.method != ScanMethod::automatic) return {};
-  return "method \"auto\" follows from earlier frames, expected another method";
-}
-
-void LaserScanner::forget() {
-  choice_ = {};
-  context_.before.reset();
+// A scanner that has always been off has no costs.
+void LaserScanner::archive_choice(StateArchive& state) {
+  CostModel costs = costs_;
+  for (double& each : costs.of) {
+    state.finite(each);
+    state.require(each >= 0);
+  }
+  if (costs != CostModel{}) costs_ = costs;
+  choice_.archive(state, resolutions(desc_), tolerance_);
+  if (!state.is_reading()) return;
+  survey_.reset();
+  const double resolution_px = choice_.resolution_px();
+  rendered_ = resolution_px == 0 ? nullptr : std::make_unique<RenderedScan>(desc_.pattern, resolution_px);
 }
 
 void LaserScanner::use_cost_model(const std::function<const CostModel&()>& costs) {

@@ -117,8 +117,6 @@ class LaserScanner : public Sensor, public Stateful {
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void archive(StateArchive& state) override;
-  std::string unsaved() const override;
-  void forget() override;
   void use_cost_model(const std::function<const CostModel&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
@@ -135,6 +133,7 @@ class LaserScanner : public Sensor, public Stateful {
   bool looks_back() const;
   std::string others() const;
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
+  void archive_choice(StateArchive& state);
   void order_beams();
   void select_beams();
   void aim_traced();

@@ -36,7 +36,7 @@ std::string reason(std::span<const ScanCandidate> candidates, std::size_t chosen
 
 bool MethodSelector::is_due(const DrawList& list) {
   ++frames_;
-  if (surveys_ == 0 || list.revisions.structure != structure_) {
+  if (list.revisions.structure != structure_) {
     structure_ = list.revisions.structure;
     triangles_ = triangles_of(list);
   }
@@ -71,6 +71,29 @@ bool MethodSelector::another_may_be_cheaper(double now_ns) const {
     if (i != chosen_ && candidates_[i].predicted_ns < reached_ns) return true;
   }
   return false;
+}
+
+// The triangles of the list are counted again.
+void MethodSelector::archive(StateArchive& state, std::span<const double> resolutions_px,
+                             const ScanTolerance& tolerance) {
+  std::uint64_t chosen = chosen_;
+  state(surveys_, chosen, chosen_at_triangles_, wait_, frames_, moved_);
+  state.require(wait_ <= kLongestWait);
+  if (state.is_reading()) {
+    structure_.reset();
+    chosen_ = chosen;
+    candidates_.assign(surveys_ == 0 ? 0 : resolutions_px.size() + 1, {});
+    for (std::size_t i = 0; i < resolutions_px.size() && !candidates_.empty(); ++i) {
+      candidates_[i].resolution_px = resolutions_px[i];
+    }
+  }
+  for (ScanCandidate& each : candidates_) {
+    state(each.beams_cast);
+    state.finite(each.worst_bound_m, each.worst_bound_rel, each.predicted_ns);
+    state.require(each.predicted_ns >= 0);
+  }
+  state.require(candidates_.empty() || chosen_ < candidates_.size());
+  if (state.is_reading() && !candidates_.empty()) because_ = reason(candidates_, chosen_, tolerance);
 }
 
 std::string MethodSelector::text() const { return to_string(chosen()) + ", " + because_; }

@@ -10,12 +10,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <simvis/draw_list.h>
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/laser_scanner/method_survey.h"
 
 namespace simvis {
@@ -39,6 +41,11 @@ class MethodSelector {
 
   void report(const std::string& scanner, SensorReport& report) const;
 
+  /// As that of Stateful. Surveys have a candidate for each of these resolutions, then `raycast`.
+  void archive(StateArchive& state, std::span<const double> resolutions_px, const ScanTolerance& tolerance);
+  /// The resolution of the chosen method; 0: it renders nothing, or there has been no survey.
+  double resolution_px() const { return surveys_ == 0 ? 0 : chosen().resolution_px; }
+
  private:
   const ScanCandidate& chosen() const { return candidates_[chosen_]; }
   bool another_may_be_cheaper(double now_ns) const;
@@ -47,7 +54,8 @@ class MethodSelector {
   std::size_t chosen_ = 0;
   std::string because_;
   std::uint64_t surveys_ = 0;
-  std::uint64_t structure_ = 0, triangles_ = 0;  // of the draw list: its revision, and its count in this frame
+  std::optional<std::uint64_t> structure_;  // revision of the draw list whose triangles are counted
+  std::uint64_t triangles_ = 0;             // of the draw list in this frame
   std::uint64_t chosen_at_triangles_ = 0;
   std::uint64_t wait_ = 0, frames_ = 0;  // frames for which costs are ignored, and frames since the last survey
   bool moved_ = false;

@@ -130,20 +130,23 @@ TEST_CASE("physics goes on to the bit from any frame, in this simulation and in 
   CHECK(compared == 3 * 60 * kAfter);
 }
 
-TEST_CASE("1,000 restores at random frames") {
+TEST_CASE("1,000 restores at random frames, from memory and from files") {
   constexpr int kFrames = 50, kRestores = 1000;
+  const TemporaryFolder folder;
+  const auto file = [&](std::size_t frame) { return folder / ("state" + std::to_string(frame)); };
   Simulation simulation = Simulation::from_string(heap());
   std::vector<std::string> states;
   std::vector<MadeFrame> frames;
-  for (int i = 0; i < kFrames; ++i) {
+  for (std::size_t i = 0; i < kFrames; ++i) {
     states.push_back(simulation.save_state());
+    write_text(file(i), states.back());
     frames.push_back(make_frame(simulation, push));
   }
   Random random;
   int equal = 0;
   for (int i = 0; i < kRestores; ++i) {
     const std::size_t from = random.below(kFrames);
-    simulation.restore_state(states[from]);
+    simulation.restore_state(i % 2 == 0 ? states[from] : read_text(file(from)));
     equal += make_frame(simulation, push) == frames[from];
   }
   CHECK(equal == kRestores);

@@ -13,7 +13,7 @@ constexpr double kSamePoint_m = 1e-7, kSameNormal = 0.9999;  // of neighbouring 
 constexpr double kOneManifold = 0.995;                       // normals within 6 degrees share one
 constexpr double kSameContact_m = 0.02;                      // a contact moves less in a step
 
-using Group = std::vector<const ContactPoint*>;
+using ContactGroup = std::vector<const ContactPoint*>;
 
 bool is_one_group(const ContactPoint& a, const ContactPoint& b) {
   return a.normal.dot(b.normal) > kOneManifold && a.friction == b.friction && a.restitution == b.restitution &&
@@ -24,7 +24,7 @@ bool is_same(const ContactPoint& a, const ContactPoint& b) {
   return (a.on_b - b.on_b).length2() < kSamePoint_m * kSamePoint_m && a.normal.dot(b.normal) > kSameNormal;
 }
 
-void add_to_group(const ContactPoint& contact, Group& group) {
+void add_to_group(const ContactPoint& contact, ContactGroup& group) {
   for (const ContactPoint*& other : group) {
     if (!is_same(*other, contact)) continue;
     if (contact.distance < other->distance) other = &contact;
@@ -33,10 +33,11 @@ void add_to_group(const ContactPoint& contact, Group& group) {
   group.push_back(&contact);
 }
 
-std::vector<Group> groups_of(std::span<const ContactPoint> contacts) {
-  std::vector<Group> groups;
+std::vector<ContactGroup> groups_of(std::span<const ContactPoint> contacts) {
+  std::vector<ContactGroup> groups;
   for (const ContactPoint& contact : contacts) {
-    auto group = std::ranges::find_if(groups, [&](const Group& each) { return is_one_group(*each.front(), contact); });
+    auto group =
+        std::ranges::find_if(groups, [&](const ContactGroup& each) { return is_one_group(*each.front(), contact); });
     if (group == groups.end()) group = groups.emplace(groups.end());
     add_to_group(contact, *group);
   }
@@ -45,7 +46,7 @@ std::vector<Group> groups_of(std::span<const ContactPoint> contacts) {
 
 // The first of the contacts with the most of a measure; rounding does not choose among equal ones.
 template <typename Measure>
-const ContactPoint* most_of(const Group& group, double least, Measure&& measure) {
+const ContactPoint* most_of(const ContactGroup& group, double least, Measure&& measure) {
   constexpr double kMore = 1 + 1e-9;
   const ContactPoint* most = nullptr;
   for (const ContactPoint* const contact : group) {
@@ -59,7 +60,7 @@ const ContactPoint* most_of(const Group& group, double least, Measure&& measure)
 
 // Returns the contact that touches first among this one and those near it. A contact behind the first, such as one of
 // another piece of the same body, touches only after the first has sunk deep.
-const ContactPoint* first_to_touch(const Group& group, const ContactPoint& contact) {
+const ContactPoint* first_to_touch(const ContactGroup& group, const ContactPoint& contact) {
   constexpr double kSooner_m = 1e-6;
   const ContactPoint* first = &contact;
   double least = contact.distance - kSooner_m;
@@ -75,14 +76,14 @@ const ContactPoint* first_to_touch(const Group& group, const ContactPoint& conta
 }
 
 // The deepest, the one farthest from it, and those farthest to both sides of the line between them.
-Group most_important(const Group& group) {
+ContactGroup most_important(const ContactGroup& group) {
   constexpr std::size_t kMaxPoints = 4;  // of a manifold
   if (group.size() <= kMaxPoints) return group;
   constexpr double kEqualDepth_m = 1e-6, kOnLine_m2 = 1e-12;
   const double deepest = (*std::ranges::min_element(group, {}, &ContactPoint::distance))->distance;
   const ContactPoint* const first =
       *std::ranges::find_if(group, [&](const ContactPoint* each) { return each->distance <= deepest + kEqualDepth_m; });
-  Group kept = {first};
+  ContactGroup kept = {first};
   const ContactPoint* const second =
       most_of(group, 0, [&](const ContactPoint& each) { return (each.on_b - first->on_b).length2(); });
   if (second == nullptr) return kept;
@@ -198,7 +199,7 @@ void ContactManifolds::replace(std::span<const ContactPoint> contacts) {
     for (int i = 0; i < manifold->getNumContacts(); ++i) old.push_back(manifold->getContactPoint(i));
     manifold->clearManifold();
   }
-  const std::vector<Group> groups = groups_of(contacts);
+  const std::vector<ContactGroup> groups = groups_of(contacts);
   while (manifolds_.size() < groups.size()) manifolds_.push_back(dispatcher_.getNewManifold(&a_, &b_));
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (const ContactPoint* const contact : most_important(groups[g])) add(g, *contact);
