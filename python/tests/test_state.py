@@ -60,7 +60,8 @@ class SavedStates(unittest.TestCase):
             sim.step()
             outputs = (("EVENTS", "picture"), ("EVENTS", "time_s"), ("FLOW", "flow_backward"), ("FLOW", "flow_forward"),
                        ("LATE", "flow_forward"), ("SCAN", "range_m"), ("SHOWN", "color"))
-            return [sim[sensor].measurement[output].tobytes() for sensor, output in outputs]
+            arrived = [(sensor, output) for sensor, output in outputs if sensor != "LATE" or index >= 5]
+            return [sim[sensor].measurement[output].tobytes() for sensor, output in arrived]
 
         sim, other = simvis.Simulation.from_string(HISTORY), simvis.Simulation.from_string(HISTORY)
         with tempfile.TemporaryDirectory() as folder:
