@@ -20,8 +20,11 @@ namespace {
 
 using Surface = PipelineKey::Surface;
 
+// A few triangles of many vertices are one cluster, which is drawn whole from the device, and levels of round shapes
+// have vertices of their own.
 bool is_large(const Mesh& mesh) {
-  return mesh.topology == Topology::triangles && mesh.positions.size() >= kMinLargeVertices;
+  return mesh.topology == Topology::triangles && !has_round_levels(mesh) &&
+         std::min(mesh.positions.size(), mesh.indices.size()) >= kMinLargeVertices;
 }
 
 auto state_of(const Drawable& d) {
@@ -109,11 +112,11 @@ bool DrawCache::covers(const Uses& uses) const {
          (large_on_device_ || !uses.large_on_device);
 }
 
-// Uses only increase until the structure of the list changes.
+// Uses only increase until the structure of the list changes. Large meshes that were uploaded stay on the device.
 void DrawCache::add_uses(const Uses& uses, bool new_structure) {
   use_ = new_structure ? uses.triangles : std::max(use_, uses.triangles);
   clouds_on_device_ = uses.clouds_on_device || (clouds_on_device_ && !new_structure);
-  large_on_device_ = uses.large_on_device || (large_on_device_ && !new_structure);
+  large_on_device_ |= uses.large_on_device;
   with_levels_ |= uses.coarser;
 }
 
@@ -344,7 +347,8 @@ std::vector<MeshUse> DrawCache::find_uses() {
   }
   max_copies_ = 0;
   for (std::size_t i = 0; i < uses.size(); ++i) {
-    if (is_large(*meshes_[i]) && uses[i] < MeshUse::positions) max_copies_ += meshes_[i]->positions.size();
+    const bool is_copied = uses[i] != MeshUse::none && uses[i] < MeshUse::positions;
+    if (is_copied && is_large(*meshes_[i])) max_copies_ += meshes_[i]->positions.size() / kMinVerticesPerCopy;
   }
   return uses;
 }

@@ -18,9 +18,11 @@
 
 namespace simvis {
 
-/// Views of a CPU device copy what they see of opaque triangles of meshes with at least this many vertices, which are
-/// not uploaded. Of smaller meshes an upload takes little memory, and copies in each frame would take time.
+/// Views of a CPU device copy what they see of opaque triangles of meshes with at least this many vertices and corners,
+/// which are not uploaded. Of smaller meshes an upload takes little memory, and copies in each frame would take time.
 inline constexpr std::size_t kMinLargeVertices = 1u << 20;
+/// Views may copy one in so many of their vertices in a frame. If they see more, these meshes are uploaded.
+inline constexpr std::size_t kMinVerticesPerCopy = 2;
 
 /// If the list has a change log (see DrawListDelta), the cache reads only the changes. Otherwise it compares the list
 /// with its own copy.

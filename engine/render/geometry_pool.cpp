@@ -16,13 +16,14 @@ constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUF
 constexpr VkBufferUsageFlags kVertexUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | kCopied;
 constexpr VkBufferUsageFlags kIndexUsage = VK_BUFFER_USAGE_INDEX_BUFFER_BIT | kCopied;
 
-// The first load allocates exactly what it needs. Later growth adds half of that, so that a scene that grows part by
-// part is not moved each time.
-std::uint64_t capacity_for(std::uint64_t needed, std::uint64_t least, bool grows) {
+// The first load allocates exactly what it needs. Later growth adds half of what there is, so that a scene that grows
+// part by part is not moved each time.
+std::uint64_t capacity_for(std::uint64_t living, std::uint64_t added, std::uint64_t least) {
+  const std::uint64_t needed = living + added;
   if (needed > std::numeric_limits<std::int32_t>::max()) {
     throw MachineError("the scene's meshes hold more than 2^31 vertices or indices, which Vulkan cannot address");
   }
-  return std::max(least, grows ? needed + needed / 2 : needed);
+  return std::max(least, needed + living / 2);
 }
 
 // As std::lround() of values of at most 16 bits, in a fraction of its time: the sum is exact in double.
@@ -148,8 +149,8 @@ void GeometryPool::make_room(std::uint64_t vertices, std::uint64_t indices, Uplo
     living_vertices += mesh->positions.size();
     living_indices += mesh->indices.size();
   }
-  const std::uint64_t vertex_capacity = capacity_for(living_vertices + vertices, kFirstVertices, !living.empty());
-  const std::uint64_t index_capacity = capacity_for(living_indices + indices, kFirstIndices, !living.empty());
+  const std::uint64_t vertex_capacity = capacity_for(living_vertices, vertices, kFirstVertices);
+  const std::uint64_t index_capacity = capacity_for(living_indices, indices, kFirstIndices);
   Buffer positions = make_buffer("mesh positions", vertex_capacity * sizeof(glm::vec3), kVertexUsage);
   Buffer index_buffer = make_buffer("mesh indices", index_capacity * sizeof(std::uint32_t), kIndexUsage);
   Buffer attributes;

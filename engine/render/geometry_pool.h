@@ -38,9 +38,10 @@ struct VertexCopies {
 /// Data that is converted for the upload is converted in blocks of about this size, so that no full second copy exists.
 inline constexpr std::size_t kUploadBlock = 1u << 16;
 
-/// The data of a mesh that a draw list needs. Each value includes those before it: `clusters` on the host, from which
-/// views select triangles and points; normal cones of these, if it is `shaded`; `positions` and indices on the device;
-/// `attributes` on the device. Depth alone, from the device, needs no cones.
+/// The data of a mesh that a draw list needs: `clusters` on the host, from which views select triangles and points;
+/// with normal cones of these, if it is `shaded`; clusters, with `positions` and indices on the device; all of these
+/// with `attributes` on the device. A list is shaded as a whole or not at all, so that the larger of two uses of a mesh
+/// includes the other.
 enum class MeshUse : std::uint8_t { none, clusters, shaded_clusters, positions, attributes };
 
 /// Meshes are identified by address. Each mesh is split into clusters and uploaded once, and is released when the list

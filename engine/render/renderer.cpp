@@ -59,11 +59,15 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
   for (const View& view : pass.views) check_view(view, pass);
 }
 
+// Whether the host selects the opaque triangles of a view that shares one strip with the others of its pass.
+bool joins_strip(const View& view, const Pass& pass) { return !pass.color && !pass.items && cpu_selects_opaque(view); }
+
 // The mesh data of opaque triangles that the plan needs.
 MeshUse opaque_use(const FramePlan& plan) {
   if (std::ranges::any_of(plan.passes, &Pass::color)) return MeshUse::attributes;
-  const bool cpu_selected = std::ranges::all_of(
-      plan.passes, [](const Pass& pass) { return !pass.items && std::ranges::all_of(pass.views, cpu_selects_opaque); });
+  const bool cpu_selected = std::ranges::all_of(plan.passes, [](const Pass& pass) {
+    return std::ranges::all_of(pass.views, [&pass](const View& view) { return joins_strip(view, pass); });
+  });
   return cpu_selected ? MeshUse::clusters : MeshUse::positions;
 }
 
@@ -86,8 +90,7 @@ bool draws_levels(const FramePlan& plan) {
 bool draws_whole_meshes(const FramePlan& plan) {
   return draws_levels(plan) || std::ranges::any_of(plan.passes, [](const Pass& pass) {
            return std::ranges::any_of(pass.views, [&pass](const View& view) {
-             const bool joins_strip = !pass.color && !pass.items && cpu_selects_opaque(view);
-             return !joins_strip && !cpu_selects_triangles(view, pass);
+             return !joins_strip(view, pass) && !cpu_selects_triangles(view, pass);
            });
          });
 }
