@@ -2,6 +2,7 @@
 // that use it link simvis::testing.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -33,8 +34,10 @@ struct RunDesc {
 ///           browser opens, and failure.mcap, up to the frame that failed. The page selects the beam of the scan that
 ///           failed. All types that this process knows are on it, also those of the test's own program. The message
 ///           says if the repeated run measured something else, as it does where a type of the test depends on what was
-///           before. Not repeated are commands executed during the run, steps of other lengths than 1 / rate, and
-///           sensors switched on or off. Values that the scene's elements and the test both set are those of the test.
+///           before, and a scanner of method="auto". Types of the test that keep something outside of their objects
+///           see a second object of each; evidence = "none" makes none. Not repeated are commands executed during the
+///           run, steps of other lengths than 1 / rate, and sensors switched on or off. Values that the scene's
+///           elements and the test both set are those of the test.
 /// Errors    of Simulation. InputError: the name of the scene file is empty; `limit_s` is not above 0; `name` is "." or
 ///           "..".
 /// Threads   as Simulation.
@@ -63,7 +66,7 @@ class SIMVIS_API Run {
 
  private:
   struct FrameValues {
-    double time_s;
+    std::int64_t time_ns;
     std::vector<double> values;  // of all parameters, when the frame began
   };
 

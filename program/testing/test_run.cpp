@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <exception>
 #include <string_view>
+#include <system_error>
 #include <variant>
 
 #include <simvis/error.h>
@@ -16,6 +17,8 @@
 
 namespace simvis::test_kit {
 namespace {
+
+double seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) / 1e9; }
 
 /// The absolute name of a scene file. Throws InputError for an empty one.
 std::filesystem::path scene_file(const std::filesystem::path& scene) {
@@ -117,15 +120,16 @@ bool Run::step() {
 
 Verdict Run::check(Verdict verdict) {
   if (verdict || !result_) return verdict;
-  verdict.text = "at " + detail::number(frames_.empty() ? 0 : frames_.back().time_s) + " s: " + verdict.text;
-  result_ = {false, verdict.text + write_evidence(verdict), verdict.beam};
+  verdict.text = "at " + detail::number(frames_.empty() ? 0 : seconds(frames_.back().time_ns)) + " s: " + verdict.text;
+  result_ = verdict;  // whatever becomes of the evidence
+  result_.text += write_evidence(verdict);
   return result_;
 }
 
 void Run::keep_values(const FrameTime& next) {
   const auto values = simulation_.parameters().values();
   for (std::size_t i = 0; i < changed_.size(); ++i) changed_[i] = changed_[i] || values[i] != before_[i];
-  frames_.push_back({static_cast<double>(next.time_ns) / 1e9, {values.begin(), values.end()}});
+  frames_.push_back({next.time_ns, {values.begin(), values.end()}});
 }
 
 /// "&select=beam:SENSOR:BEAM", with which the page selects the beam; empty: it is of no scanner as it stands now.
@@ -142,10 +146,12 @@ std::string Run::selection(const JudgedBeam& beam) const {
 }
 
 /// Makes the run again and writes the page and the recording, whose last frame has the failure as a warning. Returns
-/// the first output that was measured differently; empty: there is none.
+/// in what it differs: the time of its last frame, or the first output that was measured differently; empty: in
+/// nothing.
 std::string Run::repeat(const std::filesystem::path& folder, const std::string& failure) const {
   SimulationDesc desc = desc_.simulation;
   desc.strict = false;  // the failure is a warning
+  desc.progress = {};
   Simulation again = Simulation::load(scene_, desc);
   read_all_content(again);  // the page shows it
   live::PageRecording page(folder / "failure.html");
@@ -160,6 +166,8 @@ std::string Run::repeat(const std::filesystem::path& folder, const std::string& 
   }
   again.finish_recording();
   page.finish();
+  const std::int64_t last_ns = again.last_frame()->time_ns;
+  if (last_ns != frames_.back().time_ns) return "its last frame is at " + detail::number(seconds(last_ns)) + " s";
   return different_output(simulation_, again);
 }
 
@@ -169,15 +177,23 @@ std::string Run::write_evidence(const Verdict& failure) const {
   const bool is_wanted = wanted != nullptr && *wanted != '\0';
   const std::filesystem::path root = !desc_.evidence.empty() ? desc_.evidence : is_wanted ? wanted : "simvis-evidence";
   if (root == "none" || frames_.empty()) return {};
+  std::filesystem::path folder;
+  const auto none = [&folder](const std::string& why) {
+    std::error_code ignored;
+    if (!folder.empty()) std::filesystem::remove_all(folder, ignored);
+    return "\nno evidence: " + why;
+  };
   try {
-    const std::filesystem::path folder = make_new_folder(std::filesystem::absolute(root), desc_.name);
+    folder = make_new_folder(std::filesystem::absolute(root), desc_.name);
     const std::string different = repeat(folder, failure.text);
     return (different.empty() ? "" : "\nthe repeated run measured something else: " + different) +
            "\npage:      file://" + in_link((folder / "failure.html").string(), "/") +
            "#frame=" + std::to_string(frames_.size() - 1) + selection(failure.beam) +
            "\nrecording: " + (folder / "failure.mcap").string();
   } catch (const std::exception& failed) {  // the verdict counts more than the evidence
-    return std::string("\nno evidence: ") + failed.what();
+    return none(failed.what());
+  } catch (...) {
+    return none("an exception of an unknown type");
   }
 }
 

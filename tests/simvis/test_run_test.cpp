@@ -1,6 +1,7 @@
 // <simvis/test_run.h>: runs that are checked, and the evidence that a failing one leaves.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -274,6 +275,16 @@ TEST_CASE("what prevents evidence is said beside the failure") {
   desc.evidence = tested.folder / "evidence";
   CHECK(text_of([&] { std::filesystem::remove(scene); }) ==
         "at 0 s: it is wrong\nno evidence: " + scene.string() + ": error: cannot be read: No such file or directory");
+  CHECK(std::filesystem::is_empty(tested.folder / "evidence"));
+}
+
+TEST_CASE("a run whose steps have another length is not repeated as it was, and the message says so") {
+  const Tested tested;
+  Run run(tested.folder / "wall.xml", tested.desc(1));
+  REQUIRE(run.step());
+  run.sim().step(std::chrono::milliseconds(7));
+  REQUIRE(run.step());
+  CHECK(says(run.check({false, "it is wrong"}), "\nthe repeated run measured something else: its last frame is at "));
 }
 
 TEST_CASE("a folder whose name is no part of a link is written as one") {
