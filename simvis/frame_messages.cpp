@@ -171,15 +171,18 @@ void FrameMessages::add_descriptions(const BuiltScene& scene) {
   }
 }
 
+// Whether the topic is wanted is asked in each frame, so that patterns match it before the first warning.
 void FrameMessages::add_warnings(const std::vector<std::string>& warnings) {
   constexpr std::byte kWarn{1};
+  const std::string topic = "/diagnostics";
+  if (!outlet_.wants<ros::DiagnosticArray>(topic)) warnings_ = warnings.size();
   if (warnings_ >= warnings.size()) return;
   ros::DiagnosticArray message;
   message.header = ros::header_of(time_.time_ns, "");
   for (; warnings_ < warnings.size(); ++warnings_) {
     message.status.push_back({kWarn, "simvis", warnings[warnings_], "", {}});
   }
-  add("/diagnostics", message);
+  add(topic, message);
 }
 
 void FrameMessages::add_paths() {

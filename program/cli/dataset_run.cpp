@@ -116,9 +116,8 @@ void DatasetRun::frame(const FrameTime& time) {
   const std::vector<SceneObject> objects = simulation_.objects();
   const std::string drawn = drawn_lines(simulation_, time);
   const DatasetFrame made{time, sensors, items, objects, simulation_.diagnostics().draw_list()};
-  for (const std::unique_ptr<DatasetFolder>& folder : folders_) {
-    for (const std::string& warning : folder->add(made, drawn)) simulation_.warn(warning);
-  }
+  const auto warn = [this](const std::string& warning) { simulation_.warn(warning); };
+  for (const std::unique_ptr<DatasetFolder>& folder : folders_) folder->add(made, drawn, warn);
 }
 
 void DatasetRun::finish() {

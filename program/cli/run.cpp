@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,12 @@ bool can_skip(const Simulation& simulation) {
   } catch (const InputError&) {
     return false;
   }
+}
+
+/// Whether a warning is one of Simulation::finish_recording() or leave_dds(): no topic has matched a pattern. It is
+/// true of whole runs only, since the topic may start in a frame that a stopped run lacks.
+bool is_of_whole_run(const std::string& warning) {
+  return warning.find(": no topic has matched ") != std::string::npos;
 }
 
 }  // namespace
@@ -96,6 +103,7 @@ void Run::begin_outlets() {
 
 void Run::update_report() {
   report_.warnings = simulation_.warnings();
+  if (report_.status == "stopped") std::erase_if(report_.warnings, is_of_whole_run);
   report_.simulated_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9;
   if (!options_.endless) {
     const auto next = static_cast<double>(std::max<std::uint64_t>(simulation_.next_frame().index, 1));
@@ -182,17 +190,23 @@ void Run::keep(const FrameTime& time, double step_ms) {
 
 void Run::finish(WarningPrinter& warnings) {
   const bool stopped = received_signal() != nullptr;
+  const bool ends_early = stopped && report_.next_frame != options_.frames;
   require_memory();
   if (files_ != nullptr) {
     if (!files_->is_open() && stopped) return;
     files_->open();
   }
   if (options_.explain && !stopped) print_explanation(simulation_);
+  warnings.print_new(simulation_);
   for (const std::unique_ptr<RunOutlet>& outlet : outlets_) {
-    outlet->finish();
+    try {
+      outlet->finish();
+    } catch (const InputError& error) {  // a warning of a strict simulation, which comes when the outlet is whole
+      if (!ends_early || !is_of_whole_run(error.what())) throw;
+    }
     require_memory();
   }
-  warnings.print_new(simulation_);
+  if (!ends_early) warnings.print_new(simulation_);
   if (report_.frame_ms.added() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";

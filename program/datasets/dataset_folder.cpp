@@ -140,10 +140,11 @@ void DatasetFolder::put(DatasetFile file) {
 }
 
 // The record comes last in the queue, which writes in order.
-std::vector<std::string> DatasetFolder::add(const DatasetFrame& frame, const std::string& drawn) {
+void DatasetFolder::add(const DatasetFrame& frame, const std::string& drawn, const Warn& warn) {
   const std::uint64_t number = frame.time.index;
-  if (has(number)) return {};
+  if (has(number)) return;
   FramePiece piece = format_->frame(frame);
+  for (const std::string& warning : piece.warnings) warn(warning);
   for (DatasetFile& file : piece.files) put(std::move(file));
   const std::string folder = std::string(kOwnFolder) + "/";
   for (DatasetFile& file : piece.kept) {
@@ -156,7 +157,6 @@ std::vector<std::string> DatasetFolder::add(const DatasetFrame& frame, const std
   piece.record["drawn"] = drawn;
   put(text_file(folder + record_name(number), piece.record.dump() + "\n"));
   has_[number] = true;
-  return std::move(piece.warnings);
 }
 
 bool DatasetFolder::finish() {

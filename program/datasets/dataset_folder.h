@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -51,8 +52,10 @@ class DatasetFolder {
   bool has(std::uint64_t frame) const { return frame < has_.size() && has_[frame]; }
   bool has_all() const;
 
-  /// Adds a frame. `drawn` are its lines of randomized.csv. Returns FramePiece::warnings.
-  std::vector<std::string> add(const DatasetFrame& frame, const std::string& drawn);
+  using Warn = std::function<void(const std::string& warning)>;
+  /// Adds a frame, if it is missing. `drawn` are its lines of randomized.csv. First `warn` gets FramePiece::warnings:
+  /// if it throws, the frame is still missing, so that a later run meets the same warnings.
+  void add(const DatasetFrame& frame, const std::string& drawn, const Warn& warn);
   /// Waits until all files are written. If no frame is missing, writes the files of the whole and returns true.
   bool finish();
 

@@ -26,6 +26,7 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include <simvis/location.h>
 #include <simvis/pose.h>
 #include "engine/base/time_units.h"
 #include "engine/draw/oriented_box.h"
@@ -178,23 +179,20 @@ constexpr std::string_view kColoredClasses[] = {"animal",
                                                 "vehicle.trailer",
                                                 "vehicle.truck"};
 
-std::string listed(const auto& names) {
-  std::string all;
-  for (const auto& name : names) all += (all.empty() ? "" : ", ") + std::string(name);
-  return all;
-}
-
-/// A warning of the classes of boxes that the devkit cannot draw; none if it can draw all.
+/// A warning of each class of boxes that the devkit cannot draw.
 std::vector<std::string> warnings_of_colors(const DatasetFrame& frame) {
   std::set<std::string> unknown;
   for (const SceneObject& object : frame.objects) {
     if (has_box(object, frame.list) && std::ranges::count(kColoredClasses, object.label) == 0)
       unknown.insert(object.label);
   }
-  if (unknown.empty()) return {};
-  return {"--dataset nuscenes: nuscenes-devkit has no color for the classes " + listed(unknown) +
-          ", and a KeyError ends the drawing of their boxes; expected classes of nuScenes (" + listed(kColoredClasses) +
-          "), or colors for all classes, given to it as NuScenes(colormap=...)"};
+  std::vector<std::string> warnings;
+  for (const std::string& name : unknown) {
+    warnings.push_back("--dataset nuscenes: nuscenes-devkit has no color for the class " + in_quotes(name) +
+                       ", and a KeyError ends the drawing of its boxes; expected a class of nuScenes, such as "
+                       "\"vehicle.car\", or colors for all classes, given to it as NuScenes(colormap=...)");
+  }
+  return warnings;
 }
 
 /// One frame's files and the records of its sensors.
@@ -465,7 +463,7 @@ FramePiece NuscenesFormat::frame(const DatasetFrame& frame) const {
   }
   piece.record["things"] = is_key ? things_record(frame, parts.seen(), knows_visibility) : Record::array();
   piece.record["classes"] = classes_record(frame.items);
-  piece.warnings = warnings_of_colors(frame);
+  if (is_key) piece.warnings = warnings_of_colors(frame);
   return piece;
 }
 

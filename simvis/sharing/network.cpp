@@ -209,9 +209,10 @@ void Network::take(BuiltScene& scene, std::int64_t now_ns, const Execute& execut
 void Network::frame(const Frame& frame) {
   messages_.add_frame(frame);
   if (follow_messages_) follow_messages_->add_frame(frame.scene, frame.time, frame.sensors);
+  const std::string topic = name_of_node_ + kLog;
+  // Asked in each frame, so that patterns match the topic before the first text.
+  if (!ros::MessageOutlet::wants<ros::String>(topic)) said_.clear();
   for (const std::string& text : said_) {
-    const std::string topic = name_of_node_ + kLog;
-    if (!ros::MessageOutlet::wants<ros::String>(topic)) break;
     add({.run = [topic, text, time_ns = frame.time.time_ns](ros::MessageSink& sink) {
       sink.write(topic, time_ns, ros::String{text});
     }});

@@ -28,7 +28,9 @@ class MadeUpFormat : public DatasetFormat {
   void begin(std::span<const DatasetSensor>) override {}
   FramePiece frame(const DatasetFrame& frame) const override {
     const std::string number = std::to_string(frame.time.index);
-    return {.files = {text_file("frames/" + number + ".txt", "frame " + number + "\n")}, .record = {{"frame", number}}};
+    return {.files = {text_file("frames/" + number + ".txt", "frame " + number + "\n")},
+            .record = {{"frame", number}},
+            .warnings = {"frame " + number}};
   }
   std::vector<DatasetFile> whole(std::span<const Record> records) const override {
     std::string all = "unit " + std::to_string(depth_unit_m_) + "\n";
@@ -55,11 +57,34 @@ TEST_CASE("a folder of a format that registers itself has its files") {
   DatasetFolder dataset({.folder = folder / "set", .format = "made_up", .depth_unit_m = 0.25, .frames = 2}, {});
   const DrawList list;
   for (std::uint64_t i = 0; i < 2; ++i) {
-    dataset.add({.time = {.index = i}, .sensors = {}, .items = {}, .objects = {}, .list = list}, "");
+    dataset.add({.time = {.index = i}, .sensors = {}, .items = {}, .objects = {}, .list = list}, "",
+                [](const std::string&) {});
   }
   REQUIRE(dataset.finish());
   CHECK(read_text(folder / "set/frames/1.txt") == "frame 1\n");
   CHECK(read_text(folder / "set/all.txt") == "unit 0.250000\n0\n1\n");
+}
+
+TEST_CASE("a frame whose warning is an error is missing afterwards, and warns again when it is made again") {
+  const TemporaryFolder folder;
+  const DatasetDesc desc{.folder = folder / "set", .format = "made_up", .frames = 1, .resume = true};
+  const DrawList list;
+  const DatasetFrame frame{.time = {.index = 0}, .sensors = {}, .items = {}, .objects = {}, .list = list};
+  const auto refuse = [](const std::string& warning) { throw InputError(warning); };
+  for (int run = 0; run < 2; ++run) {
+    DatasetFolder dataset(desc, {});
+    CHECK_THROWS_WITH_AS(dataset.add(frame, "", refuse), "frame 0", InputError);
+    CHECK_FALSE(dataset.has(0));
+    CHECK_FALSE(dataset.finish());
+    CHECK_FALSE(std::filesystem::exists(folder / "set/frames/0.txt"));
+  }
+  DatasetFolder dataset(desc, {});
+  std::vector<std::string> warnings;
+  const auto keep = [&warnings](const std::string& warning) { warnings.push_back(warning); };
+  dataset.add(frame, "", keep);
+  dataset.add(frame, "", keep);  // it is there already
+  CHECK(warnings == std::vector<std::string>{"frame 0"});
+  CHECK(dataset.finish());
 }
 
 const FormatRegistration kMadeUpColor({.kind = "color",
