@@ -16,7 +16,8 @@ namespace simvis {
 namespace {
 
 // The shapes and the material nodes of a graph, numbered in the order of a walk. A graph that the same commands have
-// made has the same numbers, whichever children its switches show.
+// made has the same numbers, whichever children its switches show. What is drawn for people alone has none: sensors do
+// not see it.
 class GraphContent {
  public:
   explicit GraphContent(const Group& root) { add(root); }
@@ -36,7 +37,7 @@ class GraphContent {
 
 void GraphContent::add(const Group& group) {
   for (const NodePtr& child : group.children()) {
-    if (!known_.insert(child.get()).second) continue;
+    if (child->kind() == NodeKind::visual || !known_.insert(child.get()).second) continue;
     if (const auto* const below = dynamic_cast<const Group*>(child.get())) {
       add(*below);
     } else if (const auto* const shape = dynamic_cast<const Shape*>(child.get())) {
@@ -65,8 +66,30 @@ void archive_content(StateArchive& state, ExactSurface& surface) {
   const auto is_length = [](double value) { return std::isfinite(value) && value >= 0; };
   state.require(surface.axis >= 0 && surface.axis < 3);
   state.require(is_plane || (is_length(surface.radius_m) && is_length(surface.length_m)));
+  const bool has_length = surface.kind == SurfaceKind::cylinder || surface.kind == SurfaceKind::cone;
+  state.require(!has_length || surface.length_m > 0);
   state.require(is_length(surface.deviation_m) && is_length(surface.drawn_m.x) && is_length(surface.drawn_m.y));
   state.require(surface.half_size_m.x > 0 && surface.half_size_m.y > 0);
+}
+
+bool is_finite_vector(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+bool is_finite_vertex(const VertexAttributes& of) {
+  return is_finite_vector(of.normal) && is_finite_vector(glm::vec3(of.uv[0], 0)) &&
+         is_finite_vector(glm::vec3(of.uv[1], 0)) && is_finite_vector(glm::vec3(of.color)) && std::isfinite(of.color.a);
+}
+
+// A mesh without corners, of markers that are not drawn, may have a surface without size. Discs are points that have a
+// normal, see point_shapes.cpp.
+void require_surface(const StateArchive& state, const Mesh& mesh, const ExactSurface& surface) {
+  const bool is_disc = surface.kind == SurfaceKind::disc, is_plane = surface.kind == SurfaceKind::plane;
+  state.require(!is_disc || mesh.topology == Topology::points);
+  state.require(is_plane || mesh.indices.empty() || surface.radius_m > 0);
+  if (!is_disc) return;
+  constexpr float kMaxDeviation = 1e-3f;  // of the length of a normal, in files of clouds
+  for (const std::uint32_t each : mesh.indices) {
+    state.require(std::abs(glm::length(mesh.attributes[each].normal) - 1) <= kMaxDeviation);
+  }
 }
 
 void archive_content(StateArchive& state, Mesh& mesh) {
@@ -81,12 +104,11 @@ void archive_content(StateArchive& state, Mesh& mesh) {
   state(is_exact);
   if (is_exact && !mesh.surface) mesh.surface.emplace();
   if (is_exact) archive_content(state, *mesh.surface);
-  const auto is_finite = [](const glm::vec3& at) {
-    return std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z);
-  };
   const std::size_t corners = mesh.topology == Topology::triangles ? 3 : mesh.topology == Topology::lines ? 2 : 1;
-  state.require(std::ranges::all_of(mesh.positions, is_finite) && mesh.indices.size() % corners == 0);
+  state.require(std::ranges::all_of(mesh.positions, is_finite_vector) && mesh.indices.size() % corners == 0);
   state.require(std::ranges::all_of(mesh.indices, [&](std::uint32_t i) { return i < mesh.positions.size(); }));
+  state.require(std::ranges::all_of(mesh.attributes, is_finite_vertex));
+  if (mesh.surface) require_surface(state, mesh, *mesh.surface);
   if (state.is_reading()) compute_bounds(mesh);
 }
 

@@ -199,6 +199,7 @@ void DelayedSensor::archive(StateArchive& state, SharedGiven& shared) const {
   if (given.scan) {
     std::optional<Scan> scan = to_scan(given.measurement);
     state.require(scan.has_value());
+    require_scan(state, *scan);
     scan->beam_table = given.scan->beam_table;
     given.scan = std::move(scan);
   }

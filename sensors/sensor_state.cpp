@@ -1,6 +1,7 @@
 #include "sensors/sensor_state.h"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <set>
 #include <string>
@@ -9,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include <simvis/pose.h>
 #include <simvis/reading_sensor.h>
 
 namespace simvis {
@@ -66,11 +68,14 @@ void archive_state(StateArchive& state, Sensor& sensor) {
   const HistoryDependence dependence = sensor.history_dependence();
   if (dependence == HistoryDependence::none) return;
   if (dependence == HistoryDependence::poses && dynamic_cast<const ReadingSensor*>(&sensor) != nullptr) return;
+  if (!state.is_on()) return;
   state.refuse("its measurements depend on earlier frames, expected a type that is Stateful");
 }
 
 void archive_measurement(StateArchive& state, Measurement& measurement) {
-  state(measurement.time_ns, measurement.world_from_sensor);
+  state(measurement.time_ns);
+  state.require_past(measurement.time_ns);
+  state.finite(measurement.world_from_sensor);
   std::size_t arrays = measurement.arrays.size(), constants = measurement.constants.size();
   state.count(arrays, 4 * sizeof(std::uint64_t));
   const std::vector<MeasuredArray> known = measurement.arrays;
@@ -83,6 +88,18 @@ void archive_measurement(StateArchive& state, Measurement& measurement) {
     state(name, each.value);
     if (state.is_reading()) each.name = static_text(name);
   }
+}
+
+void require_scan(const StateArchive& state, const Scan& scan) {
+  const auto is_number = [](double value) { return !std::isnan(value); };
+  const auto is_coordinate = [](double value) { return std::abs(value) <= kMaxCoordinate_m; };
+  const auto is_range = [&](double value) { return !std::isfinite(value) || is_coordinate(value); };
+  for (glm::length_t axis = 0; axis < 3; ++axis) state.require(is_coordinate(scan.world_from_sensor[3][axis]));
+  for (std::size_t i = 0; i < scan.azimuth_rad.size(); ++i) state.require(std::isfinite(scan.azimuth_rad[i]));
+  for (std::size_t i = 0; i < scan.elevation_rad.size(); ++i) state.require(std::isfinite(scan.elevation_rad[i]));
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) state.require(is_range(scan.range_m[i]));
+  for (std::size_t i = 0; i < scan.error_bound_m.size(); ++i) state.require(is_number(scan.error_bound_m[i]));
+  for (std::size_t i = 0; i < scan.origin_m.size(); ++i) state.require(is_coordinate(scan.origin_m[i]));
 }
 
 Reading reading_of(const StateArchive& state, Reading reading, const Measurement& measurement) {

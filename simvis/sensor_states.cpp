@@ -88,6 +88,7 @@ void SensorStates::archive_scans(StateArchive& state) {
     if (!state.is_reading()) continue;
     std::optional<Scan> scan = to_scan(std::move(measurement));
     state.require(scan.has_value());
+    require_scan(state, *scan);
     restored.emplace(all[i].sensor, RestoredScan{*std::move(scan), all[i].frames});
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <simvis/location.h>
+#include <simvis/sensor_type.h>
 #include <simvis/state_archive.h>
 #include <simvis/version.h>
 #include "engine/base/binary_numbers.h"
@@ -114,6 +115,16 @@ void update_all(BuiltScene& built) {
   }
 }
 
+void read_postponed_shapes(Scene& scene, const std::string& sensor) {
+  try {
+    scene.read_shapes("the state of sensor " + in_quotes(sensor));
+  } catch (...) {
+    scene.undo().roll_back();
+    throw;
+  }
+  scene.undo().commit();
+}
+
 }  // namespace
 
 std::string SimulationImpl::save_state() {
@@ -173,7 +184,9 @@ void SimulationImpl::archive(StateArchive& state) {
       if (enabled != sensors.all[i].enabled) enable(scene.built.sensors[i].name, enabled);
     }
   });
-  state.set_frames(timeline.last_ns(), next_frame().time_ns);
+  // Only times that are read from a saved state are compared with the next frame, which the end of the clock has not.
+  const bool needs_next = state.is_reading() && !state.keeps_all();
+  state.set_frames(timeline.last_ns(), needs_next ? next_frame().time_ns : timeline.last_ns());
   state.set_graph(*scene.built.scene.root());
   archive_elements(state);
   archive_sensors(state);
@@ -191,11 +204,19 @@ void SimulationImpl::archive_elements(StateArchive& state) {
 }
 
 void SimulationImpl::archive_sensors(StateArchive& state) {
+  const bool lacks_shapes = state.is_reading() && !state.keeps_all() && scene.built.scene.has_postponed_shapes();
   for (std::size_t i = 0; i < sensors.all.size(); ++i) {
     SensorState& own = sensors.all[i];
     const BuiltSensor& sensor = scene.built.sensors[i];
     state.object("sensor " + in_quotes(sensor.name), [&] {
       state(own.frames, own.world_from_sensor);
+      state.set_on(own.enabled);
+      // The state names shapes that the sensor has seen by their numbers, also if it has always been off here.
+      if (lacks_shapes && own.frames > 0 && find_sensor_type(sensor.type)->sees_shapes) {
+        const InputLog log;
+        read_postponed_shapes(scene.built.scene, sensor.name);
+        inputs.add(log);
+      }
       archive_state(state, *sensor.sensor);
     });
   }

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 
+#include <simvis/pose.h>
 #include "elements/visualization/scan_hits.h"
 #include "engine/base/read_error.h"
 
 namespace simvis {
 namespace {
+
+constexpr int kMaxScans = 10000;
 
 const AttributeRows<PointCloudLook> kPointCloudRows{
     AttributeSpec{.name = "file",
@@ -20,7 +24,7 @@ const AttributeRows<PointCloudLook> kPointCloudRows{
         "number of points of the file or of each scan that are drawn, from the first; rounded down")
         .live(),
     row(&PointCloudLook::size_m, "size", "m", kMarkerSize_m, "size of a point; 0: not drawn").live(),
-    row(&PointCloudLook::keep, "keep", "", {.min = 1, .max = 10000},
+    row(&PointCloudLook::keep, "keep", "", {.min = 1, .max = kMaxScans},
         "number of the scanner's last scans that are drawn; rounded down")
         .live(),
     color_rows(&PointCloudLook::color, "", kMarkerColor, " of points that have no colour of their own")};
@@ -53,7 +57,9 @@ std::filesystem::path find_point_file(const ElementContext& context) {
 }  // namespace
 
 PointCloudElement::PointCloudElement(const ElementContext& context)
-    : name_(context.command.require("name").value), separator_(std::make_shared<VisualSeparator>()) {
+    : name_(context.command.require("name").value),
+      separator_(std::make_shared<VisualSeparator>()),
+      batch_nodes_(std::make_shared<Group>()) {
   const Command& command = context.command;
   const CommandAttribute* const scanner = command.find("scanner");
   if ((scanner != nullptr) == (command.find("file") != nullptr)) {
@@ -61,6 +67,7 @@ PointCloudElement::PointCloudElement(const ElementContext& context)
   }
   separator_->name = name_;
   separator_->add(std::make_shared<MaterialNode>(marker_material(AlphaMode::opaque)));
+  separator_->add(batch_nodes_);
   if (scanner != nullptr) {
     scanner_ = scanner->value;
     context.scene.insert_in_world(command, separator_);
@@ -89,14 +96,14 @@ PointCloudElement::Batch& PointCloudElement::add_batch() {
                                              .shape = std::make_shared<Shape>(MarkerMesh().take(name_))});
   batch.separator->add(batch.place);
   batch.separator->add(batch.shape);
-  separator_->add(batch.separator);
+  batch_nodes_->add(batch.separator);
   return batch;
 }
 
 void PointCloudElement::update(ParameterView values) {
   kPointCloudRows.set(look_, values);
   for (; batches_.size() > static_cast<std::size_t>(look_.keep); batches_.pop_front())
-    separator_->remove(*batches_.front().separator);
+    batch_nodes_->remove(*batches_.front().separator);
   stale_ = true;
 }
 
@@ -134,17 +141,19 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
 // lie in one place. Points of a file are those of its command.
 void PointCloudElement::archive(StateArchive& state) {
   if (scanner_.empty()) return;
-  const std::vector<NodePtr>& nodes = separator_->children();
+  std::unordered_map<const Node*, std::uint64_t> place_of;
+  for (const NodePtr& each : batch_nodes_->children()) place_of.emplace(each.get(), place_of.size());
   std::vector<std::uint64_t> places;  // among the batches of the graph, by age
-  const auto first = static_cast<std::ptrdiff_t>(nodes.size() - batches_.size());
-  for (const Batch& each : batches_) {
-    places.push_back(static_cast<std::uint64_t>(std::ranges::find(nodes, each.separator) - nodes.begin() - first));
-  }
+  for (const Batch& each : batches_) places.push_back(place_of.at(each.separator.get()));
   state(seen_, places);
+  state.require(places.size() <= static_cast<std::size_t>(kMaxScans));
   if (state.is_reading()) replace_batches(state, places);
   for (Batch& each : batches_) {
     glm::dmat4 world_from_batch = each.place->matrix();
     state.finite(world_from_batch);
+    for (glm::length_t axis = 0; axis < 3; ++axis) {
+      state.require(std::abs(world_from_batch[3][axis]) <= kMaxCoordinate_m);
+    }
     state(each.points_m);
     state.require(
         std::ranges::all_of(each.points_m, [](const glm::vec3& p) { return std::isfinite(p.x + p.y + p.z); }));
@@ -158,7 +167,9 @@ void PointCloudElement::replace_batches(const StateArchive& state, std::span<con
     state.require(places[i] < places.size() && age[places[i]] == places.size());
     age[places[i]] = i;
   }
-  for (const Batch& each : batches_) separator_->remove(*each.separator);
+  separator_->remove(*batch_nodes_);
+  batch_nodes_ = std::make_shared<Group>();
+  separator_->add(batch_nodes_);
   batches_.clear();
   std::deque<Batch> by_age(places.size());
   for (const std::size_t each : age) {

@@ -55,7 +55,8 @@ class PointCloudElement : public Element, public Stateful {
 
   std::string name_, scanner_;  // scanner_ is empty for a file
   std::shared_ptr<VisualSeparator> separator_;
-  std::deque<Batch> batches_;  // for scans: the newest last
+  std::shared_ptr<Group> batch_nodes_;  // of the batches, the last child of the separator
+  std::deque<Batch> batches_;           // for scans: the newest last
   PointCloudLook look_;
   bool stale_ = false;      // a parameter changed after the meshes were made
   std::uint64_t seen_ = 0;  // ObservedScan::count of the newest batch

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <simvis/pose.h>
+
 namespace simvis {
 namespace {
 
@@ -56,7 +58,9 @@ bool TrailElement::add_point(const Observations& seen) {
   glm::dmat4 world_from_part;
   if (!seen.find_mount(*mount_, world_from_part)) return false;
   const glm::dvec3 place = world_from_part[3];
-  if (!std::isfinite(place.x + place.y + place.z)) return false;
+  for (glm::length_t axis = 0; axis < 3; ++axis) {
+    if (!(std::abs(place[axis]) <= kMaxCoordinate_m)) return false;
+  }
   if (!path_.empty() && glm::distance(place, path_.back()) < look_.step_m) return false;
   path_.push_back(place);
   return true;
@@ -66,7 +70,10 @@ void TrailElement::archive(StateArchive& state) {
   std::size_t points = path_.size();
   state.count(points, sizeof(glm::dvec3));
   path_.resize(points);
-  for (glm::dvec3& each : path_) state.finite(each);
+  for (glm::dvec3& each : path_) {
+    state.finite(each);
+    for (glm::length_t axis = 0; axis < 3; ++axis) state.require(std::abs(each[axis]) <= kMaxCoordinate_m);
+  }
   if (state.is_reading()) stale_ = true;
 }
 

@@ -80,6 +80,9 @@ class SIMVIS_API StateArchive {
     next_ns_ = next_ns;
   }
   std::int64_t last_ns() const { return last_ns_; }  ///< simulated time of the last frame; 0: there is none
+  /// Notes whether the sensor is on whose state follows: one that is off needs no state that nobody can write.
+  void set_on(bool is_on) { is_on_ = is_on; }
+  bool is_on() const { return is_on_; }  ///< that of set_on(); true before
   /// Notes the graph of the scene, which outlives the archive: what it has anyway is written as a number.
   void set_graph(const Group& root) { graph_ = &root; }
   const Group& graph() const { return *graph_; }  ///< that of set_graph(), which was called before
@@ -176,7 +179,7 @@ class SIMVIS_API StateArchive {
     raw(glm::value_ptr(turn), sizeof turn);
   }
 
-  bool is_reading_ = false, keeps_all_ = false;
+  bool is_reading_ = false, keeps_all_ = false, is_on_ = true;
   std::int64_t last_ns_ = 0, next_ns_ = 0;
   const Group* graph_ = nullptr;
   std::string written_;

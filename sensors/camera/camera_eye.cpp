@@ -512,7 +512,7 @@ void CameraEye::archive(StateArchive& state) {
   for (const ChosenCameraEffect& each : desc_.effects) {
     if (auto* const own = dynamic_cast<Stateful*>(std::const_pointer_cast<CameraEffect>(each.effect).get())) {
       own->archive(state);
-    } else if (each.effect->remembers()) {
+    } else if (each.effect->remembers() && state.is_on()) {
       state.refuse("effect " + std::string(each.type->name) + " remembers earlier images, expected it to be Stateful");
     }
   }

@@ -166,11 +166,12 @@ void EventCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list
 void EventCamera::cast(RayCaster& threads) {
   workers_.resize(threads.threads());
   for (Worker& worker : workers_) worker.light.begin();
-  if (is_first()) {
+  const bool first = is_first();
+  before_ = memory_;
+  if (first) {
     begin_light(threads);
     publish({});
   } else {
-    before_ = memory_;
     std::vector<PixelEvent> events = std::exchange(memory_.delayed, {});
     const std::vector<PixelEvent> now = follow_all(threads);
     events.insert(events.end(), now.begin(), now.end());
@@ -272,10 +273,26 @@ void EventCamera::draw(const std::vector<PixelEvent>& events) {
   }
 }
 
-// The memory before that of a frame is a part of the state if that frame failed, so that it is made again.
+// The memory before that of a frame is a part of the state if that frame failed, so that it is made again. Before the
+// first frame, whose time may be that of no frame at all, there is none.
 void EventCamera::archive(StateArchive& state) {
   archive(state, memory_);
-  if (!is_first() && memory_.time_ns > state.last_ns()) archive(state, before_);
+  if (!is_first() && memory_.time_ns > state.last_ns()) {
+    archive(state, before_);
+  } else if (state.is_reading()) {
+    forget(before_);
+  }
+}
+
+// Leaves what a camera has before its first measurement.
+void EventCamera::forget(Memory& memory) {
+  memory.time_ns = 0;
+  memory.tables = nullptr;
+  memory.tables_hash = 0;
+  memory.world_from_node.clear();
+  memory.light.clear();
+  memory.pixels.reset();
+  memory.delayed.clear();
 }
 
 void EventCamera::archive(StateArchive& state, Memory& memory) const {
@@ -292,7 +309,7 @@ void EventCamera::archive(StateArchive& state, Memory& memory) const {
     memory.tables_hash = hash;
   }
   state(memory.world_from_node);
-  memory.pixels.archive(state);
+  memory.pixels.archive(state, memory.time_ns);
   state(memory.delayed);
   for (const PixelEvent& each : memory.delayed) {
     state.require(each.pixel < pixels && each.time_ns > static_cast<double>(memory.time_ns));

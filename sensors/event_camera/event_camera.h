@@ -80,6 +80,7 @@ class EventCamera : public ReadingSensor, public Stateful {
   };
   bool is_first() const { return memory_.light.empty(); }
   void archive(StateArchive& state, Memory& memory) const;
+  static void forget(Memory& memory);
   bool has_same_tables(const DrawList& list) const;
   bool has_changed_otherwise(const DrawList& list) const;
   /// What a thread needs to follow pixels.

@@ -14,6 +14,12 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
+// What states may hold.
+constexpr double kMaxLogarithm = 100;  // of a luminance
+constexpr double kSumRounding = 1e-6;  // of some 1e6 events and leaks below 1e3, each by 2^-53 of the sum so far
+constexpr double kMaxWhites = 1e6;     // light, in units of white, in the mean over a run
+constexpr double kMaxDeviations = 40;  // of a Brownian motion
+
 double light_at(std::span<const LightKnot> knots, double time) {
   const auto after = std::ranges::upper_bound(knots, time, {}, &LightKnot::time);
   if (after == knots.begin()) return knots.front().light;
@@ -90,18 +96,26 @@ void EventPixels::begin(std::uint32_t pixel, double light) {
 
 // Without a refractory time the reference is within the thresholds of a pixel: each distance beyond them is an event,
 // of which a stranger's numbers must not make more than light does.
-void EventPixels::archive(StateArchive& state) {
-  constexpr double kMaxLogarithm = 100;  // of a luminance
-  constexpr double kMaxMissed = 1e6;     // by a blocked pixel: of light, of leaks and of noise
-  constexpr double kRounding = 1e-6;     // of some 1e6 events and leaks below 1e3, each by 2^-53 of the sum so far
-  for (std::size_t pixel = 0; pixel < states_.size(); ++pixel) {
+void EventPixels::archive(StateArchive& state, std::int64_t time_ns) {
+  for (std::uint32_t pixel = 0; pixel < states_.size(); ++pixel) {
     auto& [reference, output, blocked_s] = states_[pixel];
     state.finite(reference, output, blocked_s);
-    state.require(std::abs(output) <= kMaxLogarithm && blocked_s >= 0 && blocked_s <= desc_.refractory_s + kRounding);
-    const Thresholds& own = thresholds_[pixel];
-    const double most = desc_.refractory_s > 0 ? kMaxMissed : std::max(own.on, own.off) + kRounding;
-    state.require(std::abs(output - reference) <= most);
+    state.require(std::abs(output) <= kMaxLogarithm);
+    state.require(blocked_s >= 0 && blocked_s <= desc_.refractory_s + kSumRounding);
+    if (state.is_reading()) state.require(std::abs(output - reference) <= most_missed(pixel, time_ns));
   }
+}
+
+// The largest distance of the output from the reference. A blocked pixel misses changes of light, leaks since the first
+// measurement and Brownian motion, whose deviation is largest where the light is the darkness.
+double EventPixels::most_missed(std::uint32_t pixel, std::int64_t time_ns) const {
+  const Thresholds& own = thresholds_[pixel];
+  const double threshold = std::max(own.on, own.off) + kSumRounding;
+  if (desc_.refractory_s == 0) return threshold;
+  const double time_s = static_cast<double>(time_ns) / 1e9;
+  const double leak = (desc_.leak_hz + desc_.leak_light_hz * kMaxWhites) * own.on;
+  const double deviation = desc_.brownian * std::sqrt(desc_.white / desc_.darkness) / 2 + desc_.brownian_dark;
+  return threshold + 2 * kMaxLogarithm + leak * time_s + kMaxDeviations * deviation * std::sqrt(time_s);
 }
 
 bool EventPixels::acts_in_constant_light() const {

@@ -83,6 +83,8 @@ class EventPixels {
  public:
   EventPixels(const EventModelDesc& desc, std::size_t pixels, std::uint64_t seed, const std::string& sensor);
 
+  /// Makes all pixels as they are before their first measurement.
+  void reset() { states_.assign(states_.size(), State()); }
   /// The first measurement of a pixel.
   void begin(std::uint32_t pixel, double light);
   /// Whether a pixel may send events while its light is constant.
@@ -91,8 +93,8 @@ class EventPixels {
   /// follow different pixels at a time.
   void follow(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light, std::vector<PixelEvent>& events);
 
-  /// As that of Stateful.
-  void archive(StateArchive& state);
+  /// As that of Stateful. `time_ns` is the time of the last measurement.
+  void archive(StateArchive& state, std::int64_t time_ns);
 
   /// Thresholds of a pixel.
   double on(std::uint32_t pixel) const { return thresholds_[pixel].on; }
@@ -125,6 +127,7 @@ class EventPixels {
   void follow_brownian(Walk& walk, double begin_s, const Piece& piece, double light);
   double follow_bridge(Walk& walk, double begin_s, double length_s, double from, double to, double deviation);
   void send(Walk& walk, double time_s, bool on);
+  double most_missed(std::uint32_t pixel, std::int64_t time_ns) const;
   void add_shot_noise(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light,
                       std::vector<PixelEvent>& events) const;
 

@@ -15,6 +15,8 @@ namespace simvis {
 
 namespace {
 
+constexpr double kMaxCost_ns = 1e12;  // of a unit of work, in a state
+
 // True if a rendered range can be exact enough.
 bool can_render(const LaserScannerDesc& desc) {
   return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= min_planar_bound());
@@ -168,12 +170,12 @@ void LaserScanner::archive(StateArchive& state) {
   state.finite(context_.before->world_from_sensor);
 }
 
-// A scanner that has always been off has no costs.
+// Costs are known once a scanner is on. A state has none if it was saved before that: those that are known here stay.
 void LaserScanner::archive_choice(StateArchive& state) {
   CostModel costs = costs_;
   for (double& each : costs.of) {
     state.finite(each);
-    state.require(each >= 0);
+    state.require(each >= 0 && (!state.is_reading() || each <= kMaxCost_ns));
   }
   if (costs != CostModel{}) costs_ = costs;
   choice_.archive(state, resolutions(desc_), tolerance_);

@@ -35,7 +35,6 @@ std::string reason(std::span<const ScanCandidate> candidates, std::size_t chosen
 }  // namespace
 
 bool MethodSelector::is_due(const DrawList& list) {
-  ++frames_;
   if (list.revisions.structure != structure_) {
     structure_ = list.revisions.structure;
     triangles_ = triangles_of(list);
@@ -57,7 +56,7 @@ void MethodSelector::take(const MethodSurvey& survey, const ScanTolerance& toler
 }
 
 void MethodSelector::measured(const CostModel& work, const CostModel& cost) {
-  if (frames_ <= wait_) return;
+  if (++frames_ <= wait_) return;
   const double now_ns = predict(work, cost);
   moved_ = has_moved(chosen().predicted_ns, now_ns) && another_may_be_cheaper(now_ns);
 }

@@ -27,13 +27,14 @@ class MethodSelector {
   static constexpr double kMoved = 1.5;
   static constexpr std::uint64_t kLongestWait = 1024;  // frames
 
-  /// Returns true if the frame has to survey. Called once per frame, before it is planned.
+  /// Returns true if the frame has to survey. Called whenever the frame is planned, which is twice if pictures are read
+  /// for it.
   bool is_due(const DrawList& list);
 
   /// Takes the choice of the survey among all methods that meet `tolerance`.
   void take(const MethodSurvey& survey, const ScanTolerance& tolerance);
 
-  /// Records the work of a frame that used the chosen method.
+  /// Records the work of a frame that used the chosen method: once per frame.
   void measured(const CostModel& work, const CostModel& cost);
 
   /// The chosen method and the reason, for the reasons in the plan.

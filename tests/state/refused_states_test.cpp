@@ -4,12 +4,18 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include <simvis/reading_sensor.h>
+#include <simvis/scan.h>
 #include <simvis/simulation.h>
 #include <simvis/state_archive.h>
 #include "elements/sensed_physics.h"
+#include "sensors/event_camera/event_pixels.h"
+#include "sensors/sensor_state.h"
 #include "simvis/built_scene.h"
 #include "tests/state/saved_state.h"
 #include "tests/support/error_of.h"
@@ -159,6 +165,85 @@ TEST_CASE("a refused number of constraints leaves the constraints of a new simul
   CHECK_THROWS_AS(unused.restore_state(wrong_at_the_end(state)), InputError);
   unused.restore_state(state);
   CHECK(make_frames(unused, do_nothing, 5) == after);
+}
+
+// A reference far from the light makes an event for each threshold in between.
+TEST_CASE("references of event cameras that neither light nor leaks can leave are refused") {
+  const auto is_taken = [](double leak_hz, double reference, std::int64_t time_ns) {
+    EventModelDesc desc;
+    desc.refractory_s = 0.01;
+    desc.leak_hz = leak_hz;
+    EventPixels pixels(desc, 1, 0, "EVENTS");
+    pixels.begin(0, 1);
+    StateArchive written;
+    pixels.archive(written, time_ns);
+    std::string bytes = written.bytes();
+    std::memcpy(bytes.data(), &reference, sizeof reference);  // the first number
+    StateArchive state(bytes);
+    try {
+      pixels.archive(state, time_ns);
+    } catch (const InputError&) {
+      return false;
+    }
+    return true;
+  };
+  constexpr std::int64_t kTime_ns = 1'000'000'000'000;
+  constexpr double kLeak_hz = 20, kLeaked = -3900;  // of the threshold 0.2 in that time
+  CHECK(is_taken(0, -150, kTime_ns));
+  CHECK_FALSE(is_taken(0, kLeaked, kTime_ns));
+  CHECK(is_taken(kLeak_hz, kLeaked, kTime_ns));
+  CHECK_FALSE(is_taken(kLeak_hz, kLeaked, 0));
+}
+
+// A sensor of someone who has not thought of saved states.
+class Forgetful : public ReadingSensor {
+ public:
+  Forgetful() : ReadingSensor(columns()) {}
+  HistoryDependence history_dependence() const override { return HistoryDependence::measurements; }
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override {
+    set_reading(time, {++counted_});
+  }
+  std::string method() const override { return "counts"; }
+
+ private:
+  static std::vector<TableColumn> columns() {
+    return {{.name = "count", .format = "%.9g", .unit = "1", .meaning = "measurements"}};
+  }
+  double counted_ = 0;
+};
+
+TEST_CASE("a sensor that looks back and has no state is refused while it is on") {
+  Forgetful sensor;
+  StateArchive state;
+  CHECK(contains(error_of([&] { archive_state(state, sensor); }), "expected a type that is Stateful"));
+  state.set_on(false);
+  CHECK_NOTHROW(archive_state(state, sensor));
+  CHECK(state.bytes().empty());
+}
+
+TEST_CASE("scans that cannot be drawn are refused, those that hit nothing are taken") {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kFar_m = 1e30;
+  const auto is_taken = [](double azimuth_rad, double x_m, float range_m) {
+    Scan scan(1, 1);
+    scan.set_angles(std::vector<double>{azimuth_rad}, std::vector<double>{0.0});
+    scan.world_from_sensor[3].x = x_m;
+    const Scan::Ranges ranges = scan.overwrite_ranges();
+    ranges.range_m[0] = range_m;
+    ranges.error_bound_m[0] = 0;
+    const StateArchive state{std::string_view()};
+    try {
+      require_scan(state, scan);
+    } catch (const InputError&) {
+      return false;
+    }
+    return true;
+  };
+  CHECK(is_taken(0, 1, std::numeric_limits<float>::infinity()));
+  CHECK(is_taken(0, 1, 0));
+  CHECK_FALSE(is_taken(kNan, 1, 1));
+  CHECK_FALSE(is_taken(0, kNan, 1));
+  CHECK_FALSE(is_taken(0, kFar_m, 1));
+  CHECK_FALSE(is_taken(0, 1, 1e30f));
 }
 
 TEST_CASE("memory follows what a state has, not the number of values that it names") {

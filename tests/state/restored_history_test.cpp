@@ -288,7 +288,8 @@ TEST_CASE("changes between the last frame and the state are changes of the next 
 }
 
 // The last sensor measures when all others have, and finds that it cannot.
-TEST_CASE("a frame that failed is made again from its state") {
+void check_failed_frame(int frames_before) {
+  CAPTURE(frames_before);
   std::vector<Remembering> sensors = others();
   for (const Remembering& each : flows()) sensors.push_back(each);
   sensors.push_back({"laser_scanner", "samples='3' method='hybrid' max_error_m='1e-300'"});
@@ -300,7 +301,7 @@ TEST_CASE("a frame that failed is made again from its state") {
     return simulation;
   };
   Simulation simulation = load();
-  for (int i = 0; i < 4; ++i) static_cast<void>(scene.make(simulation));
+  for (int i = 0; i < frames_before; ++i) static_cast<void>(scene.make(simulation));
   simulation.enable(failing, true);
   CHECK_THROWS_AS(scene.make(simulation), InputError);
   simulation.enable(failing, false);
@@ -311,6 +312,11 @@ TEST_CASE("a frame that failed is made again from its state") {
     restored->restore_state(state);
     for (const Hashes& each : expected) CHECK(scene.make(*restored) == each);
   }
+}
+
+// The first frame has the time at which nothing has been measured yet.
+TEST_CASE("a frame that failed is made again from its state") {
+  for (const int frames_before : {0, 4}) check_failed_frame(frames_before);
 }
 
 TEST_CASE("restores of files at random frames, in turn in two simulations") {
