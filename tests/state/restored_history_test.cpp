@@ -19,6 +19,7 @@
 #include "tests/support/parts/animated_part.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("state");
 
@@ -321,7 +322,7 @@ TEST_CASE("a frame that failed is made again from its state") {
 
 TEST_CASE("restores of files at random frames, in turn in two simulations") {
   constexpr int kFrames = 12;
-  const int restores = count_of("SIMVIS_TEST_RESTORES", 60);
+  const int restores = count_of("SIMVIS_TEST_RESTORES", sanitized() ? 6 : 60);
   std::vector<Remembering> sensors = others();
   for (const std::size_t each : {0, 1, 7}) sensors.push_back(flows()[each]);
   const Scene scene(sensors, situations()[1]);
