@@ -82,6 +82,7 @@ std::uint64_t hash_of(const SimulationDesc& desc) {
 // Scenes of the same commands have the same objects, in the same order.
 void archive_commands(StateArchive& state, const std::vector<std::string>& commands) {
   std::vector<std::uint64_t> hashes;
+  hashes.reserve(commands.size());
   for (const std::string& command : commands) hashes.push_back(fnv1a(command));
   std::vector<std::uint64_t> saved = hashes;
   state(saved);

@@ -187,6 +187,7 @@ std::vector<std::string> warnings_of_colors(const DatasetFrame& frame) {
       unknown.insert(object.label);
   }
   std::vector<std::string> warnings;
+  warnings.reserve(unknown.size());
   for (const std::string& name : unknown) {
     warnings.push_back("--dataset nuscenes: nuscenes-devkit has no color for the class " + in_quotes(name) +
                        ", and a KeyError ends the drawing of its boxes; expected a class of nuScenes, such as "

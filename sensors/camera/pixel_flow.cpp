@@ -360,8 +360,8 @@ FollowedPoint PixelFlow::follow(Direction& direction, const Written& images, std
   ImagePoint point{.rows = rows, .item = surface.item, .primitive = surface.primitive, .point = {ray, 0}};
   if (surface.item != kNoItem) point.point = {surface.range_m * ray, 1};
   const FollowedPoint followed = direction.points.follow(point);
-  const glm::dvec2 centre(static_cast<double>(pixel % layout_.width_px) + 0.5,
-                          static_cast<double>(pixel / layout_.width_px) + 0.5);
+  const std::size_t row = pixel / layout_.width_px, column = pixel % layout_.width_px;
+  const glm::dvec2 centre(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
   set(direction, images, {pixel, centre}, point, followed.pixel);
   return followed;
 }
