@@ -56,7 +56,8 @@ def measure(name, xml, frames, folder):
 
 
 def edges(depth, normal):
-    """Whether a pixel and one of its neighbours see different planes: another normal, or 0.1 mm apart."""
+    """Returns an array that is true at each pixel of which a neighbour sees another plane: its normal differs, or it is more than
+    0.1 mm away."""
     height, width = depth.shape
     focal_px = width / 2 / np.tan(np.radians(HFOV_DEG) / 2)
     y, x = np.mgrid[0:height, 0:width] + 0.5

@@ -8,16 +8,8 @@ import expelliarmus
 import faery
 import numpy as np
 
+import bars
 import trial
-
-BARS = "".join(f'<part name="BAR_{y_m}" insert_at="ROOT" shape="box" size="0.02 0.1 1" pose_offset="1 {y_m} 0 0 0 0"/>'
-               for y_m in (-0.4, -0.2, 0, 0.2, 0.4))
-SCENE = f"""
-  <element type="sky" name="SKY" insert_at="ROOT" red="0.3" green="0.3" blue="0.3" ambient_red="0.6" ambient_green="0.6"
-           ambient_blue="0.6"/>{BARS}
-  <part name="EYE_AT" insert_at="ROOT"/>
-  <element type="pose" name="TURN" insert_at="EYE_AT"/>
-  <sensor type="event_camera" name="EYE" insert_at="EYE_AT" width="96" height="72"/>"""
 
 
 def table(events, names):
@@ -26,7 +18,7 @@ def table(events, names):
 
 def measure(folder):
     (folder / "turn.csv").write_text("time_s,TURN.yaw\n0,0\n0.2,4\n")
-    out = trial.simvis_run(SCENE, folder, "--trajectory", folder / "turn.csv", "--rate", 10, "--format", "scan=evt3,npz")
+    out = trial.simvis_run(bars.scene(), folder, "--trajectory", folder / "turn.csv", "--rate", 10, "--format", "scan=evt3,npz")
     begin, total, faery_wrong, expelliarmus_wrong, late_us = time.monotonic(), 0, 0, 0, 0
     for file in sorted(out.glob("EYE/*.raw")):
         true = table(np.load(file.with_suffix(".npz")), ("t_us", "x", "y", "polarity"))

@@ -8,19 +8,12 @@ import numpy as np
 import tonic
 from PIL import Image
 
+import bars
 import trial
 
-WIDTH, HEIGHT, THRESHOLD, DARKNESS = 96, 72, 0.2, 0.001
-BARS = "".join(f'<part name="BAR_{y_m}" insert_at="ROOT" shape="box" size="0.02 0.1 1" pose_offset="1 {y_m} 0 0 0 0"/>'
-               for y_m in (-0.4, -0.2, 0, 0.2, 0.4))
-SCENE = f"""
-  <element type="sky" name="SKY" insert_at="ROOT" red="0.3" green="0.3" blue="0.3" ambient_red="0.6" ambient_green="0.6"
-           ambient_blue="0.6"/>{BARS}
-  <part name="EYE_AT" insert_at="ROOT"/>
-  <element type="pose" name="TURN" insert_at="EYE_AT"/>
-  <sensor type="event_camera" name="EYE" insert_at="EYE_AT" width="{WIDTH}" height="{HEIGHT}" hfov="60"
-          threshold_on="{THRESHOLD}" threshold_off="{THRESHOLD}" darkness="{DARKNESS}"/>
-  <sensor type="camera" name="LIGHT" insert_at="EYE_AT" width="{WIDTH}" height="{HEIGHT}" hfov="60" supersampling="16"/>"""
+THRESHOLD, DARKNESS = 0.2, 0.001
+SCENE = bars.scene(f'hfov="60" threshold_on="{THRESHOLD}" threshold_off="{THRESHOLD}" darkness="{DARKNESS}"') + f"""
+  <sensor type="camera" name="LIGHT" insert_at="EYE_AT" width="{bars.WIDTH}" height="{bars.HEIGHT}" hfov="60" supersampling="16"/>"""
 
 
 def logarithm_of_light(file):
@@ -36,7 +29,7 @@ def measure(folder):
     begin = time.monotonic()
     events = tonic.io.make_structured_array(
         *(np.concatenate([file[name] for file in files]) for name in ("x", "y", "t_us", "polarity")))
-    off_count, on_count = tonic.transforms.ToImage(sensor_size=(WIDTH, HEIGHT, 2))(events).astype(float)
+    off_count, on_count = tonic.transforms.ToImage(sensor_size=(bars.WIDTH, bars.HEIGHT, 2))(events).astype(float)
     seconds = time.monotonic() - begin
     light = [logarithm_of_light(file) for file in sorted(out.glob("LIGHT/*.png"))]
     error = np.abs((on_count - off_count) - (light[-1] - light[0]) / THRESHOLD)

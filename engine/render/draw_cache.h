@@ -61,9 +61,8 @@ class DrawCache {
   /// By material: bit mask of the textures that are shown, bit number = binding.
   std::span<const std::uint8_t> textures_shown() const { return textures_shown_; }
   bool any_lit() const { return any_lit_; }
-  /// The number of vertices of large meshes that the views of a frame may copy: as many as the meshes have that are not
-  /// on the device. A copy takes 44 bytes on the device and 4 on the host, a vertex of a mesh on the device 44 bytes
-  /// and some 24 for its indices.
+  /// The number of vertices of large meshes that the views of a frame may copy: a kMinVerticesPerCopy-th of those of
+  /// the visible meshes that are not on the device.
   std::size_t max_copies() const { return max_copies_; }
   /// The number of coarser levels on the device.
   std::size_t levels_held() const { return level_ranges_.size(); }
@@ -124,9 +123,9 @@ class DrawCache {
 
   bool made_ = false;
   bool any_lit_ = false;
-  MeshUse use_ = MeshUse::none;  // of opaque triangles: the maximum since the structure last changed
-  // As Uses: whether a frame has drawn them since the structure last changed.
-  bool clouds_on_device_ = false, large_on_device_ = false;
+  MeshUse use_ = MeshUse::none;    // of opaque triangles: the maximum since the structure last changed
+  bool clouds_on_device_ = false;  // as Uses: whether a frame has drawn them since the structure last changed
+  bool large_on_device_ = false;   // as Uses: whether a frame has drawn them
   std::size_t max_copies_ = 0;
   bool with_levels_ = false;  // a frame has drawn coarser levels
   LightCounts lights_{};

@@ -113,11 +113,7 @@ void FrameBuffers::write_cpu_selected(std::span<const std::span<const shader::Cp
 void FrameBuffers::write_copies(std::span<const VertexCopies> copies, Uploads& uploads) {
   std::size_t count = 0;
   for (const VertexCopies& each : copies) count += each.vertices.size();
-  if (count == 0) {
-    copied_positions_ = Buffer();
-    copied_attributes_ = Buffer();
-    return;
-  }
+  if (count == 0) return;
   reserve(copied_positions_, "copied positions", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, count * sizeof(glm::vec3));
   if (std::ranges::any_of(copies, &VertexCopies::with_attributes)) {
     reserve(copied_attributes_, "copied attributes", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
@@ -138,6 +134,11 @@ void FrameBuffers::write_copies(std::span<const VertexCopies> copies, Uploads& u
       place += block.size();
     }
   }
+}
+
+void FrameBuffers::release_copies() {
+  copied_positions_ = Buffer();
+  copied_attributes_ = Buffer();
 }
 
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {

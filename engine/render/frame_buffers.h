@@ -35,6 +35,8 @@ class FrameBuffers {
   void write_cpu_selected(std::span<const std::span<const shader::CpuSelectedVertex>> vertices, Uploads& uploads);
   /// Writes the vertices one copy after the other; attributes only of copies with attributes.
   void write_copies(std::span<const VertexCopies> copies, Uploads& uploads);
+  /// Releases the buffers of copies. No frame that uses them is under way.
+  void release_copies();
   /// Required for each frame that shows colour, even without lights, because its shaders refer to the buffer.
   void write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads);
 

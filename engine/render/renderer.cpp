@@ -59,7 +59,7 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
   for (const View& view : pass.views) check_view(view, pass);
 }
 
-// Whether the host selects the opaque triangles of a view that shares one strip with the others of its pass.
+// Returns true if the view is drawn as a part of its pass's strip, for which the host selects all opaque triangles.
 bool joins_strip(const View& view, const Pass& pass) { return !pass.color && !pass.items && cpu_selects_opaque(view); }
 
 // The mesh data of opaque triangles that the plan needs.
@@ -86,7 +86,8 @@ bool draws_levels(const FramePlan& plan) {
   });
 }
 
-// Whether a view of the plan needs device copies of large meshes on a CPU device. Coarser levels are made of copies.
+// Returns true if the plan draws large meshes from the device, also on a CPU device: a view does not select triangles,
+// or coarser levels are drawn, which are made there.
 bool draws_whole_meshes(const FramePlan& plan) {
   return draws_levels(plan) || std::ranges::any_of(plan.passes, [](const Pass& pass) {
            return std::ranges::any_of(pass.views, [&pass](const View& view) {
@@ -254,6 +255,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
     uses.large_on_device = true;
     table.update(list, uses, geometry, levels, textures, uploads);
     draws.update(plan, list, table);
+    buffers.release_copies();
   }
   while (!draws.lacking().empty()) {  // until what is seen behind a coarser shape is there too
     table.add_levels(draws.lacking(), list, geometry, levels, textures, uploads);

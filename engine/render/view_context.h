@@ -19,8 +19,8 @@ namespace simvis {
 /// single triangles.
 inline bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
 
-/// Whether the host of a CPU device selects the triangles that the view sees. The view then needs no device copy of
-/// large opaque meshes: it draws copies of the vertices that it sees.
+/// Returns true if, on a CPU device, the host selects the triangles that the view sees. The view then draws copies of
+/// their vertices, and large opaque meshes need not be on the device.
 inline bool cpu_selects_triangles(const View& view, const Pass& pass) {
   return view.culled && !is_strip(view) && !view.orthographic && !pass.shadow_maps;
 }

@@ -190,6 +190,26 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a few triangles of many vertices are drawn from the device, which has another mesh too") {
+  RendererScene scene = large_scene();
+  auto few = std::make_shared<Mesh>(*scene.list.meshes[0]);
+  const Mesh square = rectangle(-0.5, -0.5, 0.5, 0.5);
+  std::ranges::copy(square.positions, few->positions.begin());
+  few->indices = square.indices;
+  std::ranges::reverse(few->indices);  // the scene shows the mesh from behind
+  compute_bounds(*few);
+  scene.list.meshes[0] = few;
+  scene.add(rectangle(-9, -9, 9, 9), Material{}, at(0, 0, 5));
+  Renderer renderer(device());
+  FramePlan plan = plan_of(60, 40, 30, true, true);
+  const Drawn seen = drawn(renderer, scene.list, plan);
+  CHECK(renderer.counters().meshes_held == 2);
+  view_of(plan).culled = false;
+  CHECK(drawn(renderer, scene.list, plan) == seen);
+  // The square is before the wall.
+  CHECK(std::ranges::max(seen.depth) > std::ranges::min(seen.depth));
+}
+
 TEST_CASE("a large mesh is on the device where copies of what views see would take more") {
   RendererScene scene = large_scene();
   Renderer renderer(device());
