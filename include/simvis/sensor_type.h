@@ -66,7 +66,7 @@ struct SensorType {
   /// exchange/messages/from_reading.h lists them, and the columns that each uses. Of a reading with one row, each
   /// column without a message gives a std_msgs/msg/Float64; so do all if this is empty.
   std::string_view message{};
-  AttributeTable attributes;  ///< its own attributes; all_attributes() adds those of its effects
+  AttributeTable attributes{};  ///< its own attributes; all_attributes() adds those of its effects
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);  ///< makes a sensor; may throw InputError
   std::span<const SensorPreset> presets{};  ///< a type with presets has the row kPresetAttribute
   /// Measures on this device what each term of the cost model costs, in nanoseconds, for sensors that choose a method
