@@ -60,6 +60,46 @@ TEST_CASE("a path camera opens no device, has its error as an output, and the de
   }
 }
 
+// The radiance of one pixel that looks along +x at a wall, which shines from y = `edge_m` on to the left at x = 3. The
+// camera goes from y = -0.3 to 0.1 in the last of two frames.
+struct OnePixel {
+  double mean, stddev;
+};
+
+OnePixel pixel_at_edge(double edge_m, const std::string& attributes) {
+  Simulation simulation = Simulation::from_string(
+      "<simvis><part name='WALL' insert_at='ROOT' shape='box' size='0.2 4 4' color='0 0 0' pose_offset='3.1 " +
+      format_number(edge_m + 2) +
+      " 0 0 0 0'/><element type='material' name='SHINE' insert_at='ROOT' part='WALL' emission_red='1'/>"
+      "<element type='sky' name='SKY' insert_at='ROOT' red='0' green='0' blue='0'/>"
+      "<part name='CARRIER' insert_at='ROOT'/><element type='pose' name='MOVE' insert_at='CARRIER'/>"
+      "<sensor type='camera' name='C' insert_at='CARRIER' width='1' height='1' hfov='1e-6' light='path' bounces='0' "
+      "samples='4000' outputs='color color_stddev' " +
+      attributes + "/></simvis>");
+  for (const double y_m : {-0.3, 0.1}) {
+    simulation.set("MOVE", "y", y_m);
+    simulation.step();
+  }
+  const Measurement measured = simulation.measurement("C");
+  return {measured.find("color")->number(0), measured.find("color_stddev")->number(0)};
+}
+
+TEST_CASE("samples fill the exposure: an edge that passes the pixel") {
+  // Half of the frame's 1/15 s, in which the camera goes from y = -0.1 to 0.1.
+  const OnePixel pixel = pixel_at_edge(0.05, "exposure_time='0.03333333333333333'");
+  CHECK(std::abs(pixel.mean - 0.25) <= 5 * pixel.stddev);
+  CHECK(std::abs(pixel.stddev - std::sqrt(0.25 * 0.75 / 4000)) < 1e-3);
+}
+
+TEST_CASE("samples fill the lens: a circle of confusion that an edge cuts") {
+  // A point of the lens at y sees y + 2 (-y) = -2 y of the wall, relative to the camera at y = 0.1. The lens has the
+  // radius 0.05, and what is beyond y = -0.02 sees the wall: a segment of the disc.
+  const OnePixel pixel = pixel_at_edge(0.14, "aperture='0.1' focus_distance='1'");
+  const double height = 0.4, share = (std::acos(height) - height * std::sqrt(1 - height * height)) / std::acos(-1.0);
+  CHECK(std::abs(pixel.mean - share) <= 5 * pixel.stddev);
+  CHECK(pixel.stddev > 0);
+}
+
 TEST_CASE("what contradicts the light is refused at its place") {
   CHECK(contains(refusal("samples='4'"), "attribute \"samples\": a drawn picture has none"));
   CHECK(contains(refusal("bounces='4'"), "attribute \"bounces\": a drawn picture has none"));
