@@ -14,33 +14,34 @@ constexpr double kMaxGain = 1e9;  // far above the gain of corner cubes
 AttributeRows<MaterialChange> material_rows() {
   using Change = MaterialChange;
   constexpr AttributeLimits kFactor{.min = 0, .max = kMaxFactor}, kShare{.min = 0, .max = 1};
-  return {
-      AttributeSpec{.name = "part", .kind = AttributeKind::part, .text = "required: the part to change"},
-      AttributeSpec{.name = "material",
-                    .kind = AttributeKind::text,
-                    .text = "only materials of this name in the part's file; default: all materials"},
-      color_rows(&Change::color, "", kFactor, "factor of the file's base colour, linear"),
-      row(&Change::opacity, "opacity", "", kShare,
-          "factor of the file's opacity; below 0.5 depth cameras and scanners see through; 0: not drawn")
-          .live(),
-      row(&Change::roughness, "roughness", "", kShare,
-          "factor of the file's roughness, which is 1 by default; 1 is matte, 0 is polished")
-          .live(),
-      color_rows(&Change::emission, "emission_", {.min = 0, .max = kMaxEmission},
-                 "linear radiance, added to the file's"),
-      row(&Change::fixed_opacity, "fixed_opacity", "", kShare,
-          "opacity in place of the file's, before the factor `opacity` applies; default: the file's"),
-      row(&Change::reflectance, "reflectance", "", kShare,
-          "share of laser light that is reflected; default: the mean of the linear base colour"),
-      row(&Change::retro_reflectance, "retro_reflectance", "", {.min = 0, .max = kMaxGain},
-          "gain of a retro-reflector for lasers, pi R_A; a white matte wall is 1; default: no retro-reflector"),
-      row(&Change::mirror, "mirror", "", kShare, "lasers: share of the remaining surface that becomes a mirror").live(),
-      row(&Change::transmission, "transmission", "", kShare,
-          "lasers: share of the remaining surface that becomes a thin pane of glass")
-          .live(),
-      row(&Change::refractive_index, "refractive_index", "", {.min = 0.1, .max = 10},
-          "factor of the file's refractive index, which is 1.5 by default")
-          .live()};
+  return {AttributeSpec{.name = "part", .kind = AttributeKind::part, .text = "required: the part to change"},
+          AttributeSpec{.name = "material",
+                        .kind = AttributeKind::text,
+                        .text = "only materials of this name in the part's file; default: all materials"},
+          color_rows(&Change::color, "", kFactor, "factor of the file's base colour, linear"),
+          row(&Change::opacity, "opacity", "", kShare,
+              "factor of the file's opacity; below 0.5 depth cameras and scanners see through; 0: not drawn")
+              .live(),
+          row(&Change::roughness, "roughness", "", kShare,
+              "factor of the file's roughness, which is 1 by default; 1 is matte, 0 is polished")
+              .live(),
+          color_rows(&Change::emission, "emission_", {.min = 0, .max = kMaxEmission},
+                     "linear radiance, added to the file's"),
+          row(&Change::fixed_opacity, "fixed_opacity", "", kShare,
+              "opacity in place of the file's, before the factor `opacity` applies; default: the file's"),
+          row(&Change::reflectance, "reflectance", "", kShare,
+              "share of laser light that is reflected; default: the mean of the linear base colour"),
+          row(&Change::retro_reflectance, "retro_reflectance", "", {.min = 0, .max = kMaxGain},
+              "gain of a retro-reflector for lasers, pi R_A; a white matte wall is 1; default: no retro-reflector"),
+          row(&Change::mirror, "mirror", "", kShare,
+              "lasers and paths of light: share of the remaining surface that becomes a mirror")
+              .live(),
+          row(&Change::transmission, "transmission", "", kShare,
+              "lasers and paths of light: share of the remaining surface that becomes a thin pane of glass")
+              .live(),
+          row(&Change::refractive_index, "refractive_index", "", {.min = 0.1, .max = 10},
+              "factor of the file's refractive index, which is 1.5 by default")
+              .live()};
 }
 const AttributeRows<MaterialChange> kMaterialRows = material_rows();
 

@@ -11,7 +11,7 @@
 //          except the cut-outs of masks, before the factors apply.
 // Lasers   `reflectance` and `retro_reflectance` are not live. They are absolute values for lasers, not factors,
 //          because a colour says little about the near infrared. If several elements set them on one material, the last
-//          one applies. `mirror` and `transmission` (see effects/scanner/specular_path.h) are shares: each turns this
+//          one applies. `mirror` and `transmission` (see engine/light/surface_shares.h) are shares: each turns this
 //          share of the remaining surface into a mirror or into glass. refractive_index is a factor.
 // Reach    the part's own file: parts, elements and sensors that were inserted at the part keep their look.
 // Several  material and foliage elements on one part act together: factors multiply, emissions add up, and each share

@@ -8,7 +8,8 @@
 #include <utility>
 
 #include <simvis/pose.h>
-#include "sensors/direct_light.h"
+#include "engine/draw/luminance.h"
+#include "engine/light/direct_light.h"
 
 namespace simvis {
 
@@ -134,16 +135,17 @@ double LightSensor::direct_lx(RayCaster& rays) const {
   const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(pose));
   double sum = 0;
   for (const LightItem& item : list_->lights) {
-    const DirectLight direct =
-        direct_light(item.light, list_->world_from_node[item.transform], glm::dvec3(pose[3]), glm::dvec3(pose[0]));
-    if (direct.illuminance_lx == 0) continue;
+    const DirectLight direct = direct_light(item.light, list_->world_from_node[item.transform], glm::dvec3(pose[3]));
+    const double illuminance_lx =
+        luminance(direct.irradiance) * std::max(0.0, glm::dot(glm::dvec3(pose[0]), direct.toward));
+    if (illuminance_lx == 0) continue;
     if (item.light.shadow_px > 0) {
       const glm::dvec3 toward = glm::normalize(sensor_from_world * direct.toward);
       RayHit hit;
       rays.cast(pose, {&toward, 1}, {&hit, 1});
       if (hit.range_m < direct.distance_m) continue;
     }
-    sum += direct.illuminance_lx;
+    sum += illuminance_lx;
   }
   return sum;
 }

@@ -19,7 +19,7 @@ set(unsanitized_files clients/driven_map_test messages/event_packet_test message
                       messages/readers_test)
 
 # Modules of which some files count, and these files.
-set(partly_sanitized_modules datasets dynamics elements engine fidelity raycast sensors simvis splats)
+set(partly_sanitized_modules datasets dynamics elements engine fidelity light raycast sensors simvis splats)
 set(sanitized_files
     # files of several processes, which it reads again
     datasets/dataset_folder_test
@@ -34,6 +34,8 @@ set(sanitized_files
     engine/thread_pool_test engine/tree_cache_test
     # captures and recordings of strangers
     fidelity/recording_readers_test
+    # paths of light: indices of pixels, paths and light rays
+    light/path_camera_test
     raycast/ray_threads_test
     # each kind of sensor once, since it owns its results
     sensors/camera_test sensors/environment_sensors_test sensors/laser_scanner_test sensors/light_sensor_test

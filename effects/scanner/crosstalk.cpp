@@ -8,7 +8,7 @@
 #include <simvis/pose.h>
 #include "effects/scanner/onward_ray.h"
 #include "effects/scanner/reflectance.h"
-#include "effects/scanner/specular_path.h"
+#include "engine/light/surface_shares.h"
 
 namespace simvis {
 namespace {

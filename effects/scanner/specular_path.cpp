@@ -1,11 +1,20 @@
-#include "effects/scanner/specular_path.h"
-
+// The effect `specular_path`: mirrors reflect beams and glass transmits them, up to `path_depth` times per beam.
+//
+// Shares   engine/light/surface_shares.h. Light returns along the same path, so the share of the beam that a continued
+//          ray carries is the square of the one-way share.
+// Mirror   The angle of reflection equals the angle of incidence. The range is the length of the whole unfolded path.
+// Pane     Rays continue in the same direction, from the same origin.
+// Depth    A beam ends after `path_depth` mirrors and panes; what the last of them sends on is lost.
+//
+// Not modelled: the glint of a mirror that the beam hits at a right angle, which returns directly to the receiver.
+// Where a reflected ray begins: see effects/scanner/onward_ray.h.
 #include <algorithm>
 #include <cmath>
 
 #include <simvis/scan_effect.h>
 #include "effects/scanner/onward_ray.h"
 #include "effects/scanner/reflectance.h"
+#include "engine/light/surface_shares.h"
 
 namespace simvis {
 namespace {
@@ -20,9 +29,6 @@ constexpr AttributeSpec kSpecularPathAttributes[] = {
      .min = 0,
      .max = 16},
 };
-
-// The reflectance of two faces that each reflect `face`, including all reflections between them.
-double both_faces(double face) { return 2 * face / (1 + face); }
 
 class SpecularPath : public ScanEffect {
  public:
@@ -97,22 +103,4 @@ const ScanEffectRegistration kSpecularPathRegistration({
 });
 
 }  // namespace
-
-double pane_reflectance(double refractive_index, double cosine) {
-  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / refractive_index;
-  if (sine >= 1) return 1;
-  const double inside = std::sqrt(1 - sine * sine);
-  const double across = (cosine - refractive_index * inside) / (cosine + refractive_index * inside);
-  const double along = (refractive_index * cosine - inside) / (refractive_index * cosine + inside);
-  return (both_faces(across * across) + both_faces(along * along)) / 2;
-}
-
-SurfaceShares surface_shares(const Material& material, double reflectance, double cosine) {
-  const double mirror = material.mirror, glass = (1 - mirror) * material.transmission;
-  const double pane = glass > 0 ? pane_reflectance(material.refractive_index, cosine) : 0;
-  return {.matte = (1 - mirror) * (1 - static_cast<double>(material.transmission)),
-          .reflected = mirror + glass * pane,
-          .passed = glass * (1 - pane) * reflectance};
-}
-
 }  // namespace simvis

@@ -7,9 +7,9 @@
 #include "effects/scanner/detection_law.h"
 #include "effects/scanner/onward_ray.h"
 #include "effects/scanner/reflectance.h"
-#include "effects/scanner/specular_path.h"
 #include "engine/base/assert.h"
 #include "engine/draw/sky_sphere.h"
+#include "engine/light/surface_shares.h"
 
 namespace simvis {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/base/srgb.h"
+#include "engine/draw/surface_map.h"
 
 namespace simvis {
 
@@ -57,6 +58,9 @@ glm::dvec4 color_of(const std::uint8_t* rgba) {
   return {linear[rgba[0]], linear[rgba[1]], linear[rgba[2]], rgba[3] / 255.0};
 }
 
+// The numbers of a texel.
+glm::dvec4 numbers_of(const std::uint8_t* rgba) { return glm::dvec4(rgba[0], rgba[1], rgba[2], rgba[3]) / 255.0; }
+
 /// The interpolated attributes of a point of a primitive that its material uses.
 struct SurfaceVertex {
   glm::dvec4 color{0};
@@ -108,6 +112,17 @@ bool is_solid_with(const Material& material, const Alpha& alpha) {
 }
 
 }  // namespace
+
+glm::dvec4 map_value(const SurfaceMap& map, MapKind kind, const Mesh& mesh, std::uint32_t primitive,
+                     const glm::dvec3& weights) {
+  glm::dvec2 uv(0);
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t index = mesh.indices[std::size_t{3} * primitive + static_cast<std::size_t>(k)];
+    uv += weights[k] * glm::dvec2(mesh.attributes[index].uv[map.uv_set]);
+  }
+  uv = glm::dmat3x2(map.uv_transform) * glm::dvec3(uv, 1);
+  return kind == MapKind::emissive ? sample(*map.texture, uv, color_of) : sample(*map.texture, uv, numbers_of);
+}
 
 float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
   return alpha_at(material, interpolated(material, mesh, primitive, weights));

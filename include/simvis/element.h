@@ -91,10 +91,10 @@ struct ElementContext {
 
 /// The description of an element type for the registry.
 struct ElementType {
-  std::string_view name;      ///< the command's `type`
-  std::string_view summary;   ///< one sentence
-  std::string_view notes{};   ///< what the table does not say: paragraphs, separated by '\n'; may be empty
-  AttributeTable attributes;  ///< its attribute table
+  std::string_view name;        ///< the command's `type`
+  std::string_view summary;     ///< one sentence
+  std::string_view notes{};     ///< what the table does not say: paragraphs, separated by '\n'; may be empty
+  AttributeTable attributes{};  ///< its attribute table
   std::unique_ptr<Element> (*create)(const ElementContext& context);  ///< makes an element; may throw InputError
 };
 

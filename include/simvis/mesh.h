@@ -148,8 +148,9 @@ inline constexpr float kMinRoughness = 0.05f;
 /// share; a metal has no diffuse part. Ambient light is the same from all directions, so a surface shows base colour x
 /// ambient, metallic or not: see effects/scene/metallic_roughness.cpp.
 ///
-/// For lasers only: a share `mirror` of the light is reflected as by a mirror. Of the rest, a share `transmission`
-/// enters a thin pane of glass that is tinted by the base colour. See effects/scanner/specular_path.h.
+/// For lasers, and for cameras that take colour by paths of light: a share `mirror` of the light is reflected as by a
+/// mirror. Of the rest, a share `transmission` enters a thin pane of glass that is tinted by the base colour. See
+/// engine/light/surface_shares.h.
 struct Material {
   std::string name;                          ///< for messages; need not be unique
   glm::vec4 base_color{1, 1, 1, 1};          ///< linear RGBA, multiplies texture and vertex colour
@@ -169,8 +170,8 @@ struct Material {
   std::array<SurfaceMap, kMapKinds> maps{};           ///< by MapKind; they affect colour only
   float normal_scale = 1;                             ///< factor of the normal map's x and y
   float occlusion_strength = 1;                       ///< [0, 1], weight of the occlusion map
-  float mirror = 0,                                   ///< [0, 1], for lasers: share reflected as by a mirror
-      transmission = 0;                               ///< [0, 1], for lasers: share of the rest that enters the glass
+  float mirror = 0,                                   ///< [0, 1], share reflected as by a mirror
+      transmission = 0;                               ///< [0, 1], share of the rest that enters the glass
   float refractive_index = 1.5f;                      ///< of a pane of glass, above 0
 
   const SurfaceMap& map(MapKind kind) const { return maps[static_cast<std::size_t>(kind)]; }  ///< the map of a kind

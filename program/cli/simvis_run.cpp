@@ -90,7 +90,8 @@ void check_costed(const Options& options, const Simulation& simulation) {
                      ": --price lists laser scanners and cameras with colour, and this is of type " + sensor.type);
   }
   if (!has_scanner(simulation) && cameras.empty()) {
-    throw InputError("--price: there is no enabled laser scanner and no camera with colour, expected at least one");
+    throw InputError(
+        "--price: there is no enabled laser scanner and no camera that draws colour, expected at least one");
   }
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kMaxError = "max_error_px";
 
-/// The value of max_error_px, if the type has that attribute and the sensor takes colour pictures for the simulation.
+/// The value of max_error_px, if the type has that attribute and the sensor draws colour pictures for the simulation.
 std::optional<double> max_error_of(const Command& command) {
   const SensorType* const type = find_sensor_type(command.require("type").value);
   SIMVIS_ASSERT(type != nullptr);
@@ -27,9 +27,10 @@ std::optional<double> max_error_of(const Command& command) {
   if (std::ranges::find(table, kMaxError, &AttributeSpec::name) == table.end()) return {};
   const AttributeValues values(command, table, kSensorCommonAttributes);
   if (!values.flag("outputs", "color")) return {};
-  const bool for_people =
-      std::ranges::find(table, "view", &AttributeSpec::name) != table.end() && values.choice("view") == "visualization";
-  return for_people ? std::optional<double>() : values.number(kMaxError);
+  const auto says = [&](const char* name, const char* word) {
+    return std::ranges::find(table, name, &AttributeSpec::name) != table.end() && values.choice(name) == word;
+  };
+  return says("view", "visualization") || says("light", "path") ? std::optional<double>() : values.number(kMaxError);
 }
 
 Command with_max_error(Command command, double max_error_px, const std::string& name) {

@@ -43,7 +43,7 @@ struct CameraCosts {
   std::vector<CameraVariantCosts> variants;  ///< ascending by max_error_px
 };
 
-/// The names of the enabled sensors that take colour pictures for the simulation and have the attribute max_error_px.
+/// The names of the enabled sensors that draw colour pictures for the simulation and have the attribute max_error_px.
 std::vector<std::string> costed_cameras(const Simulation& simulation);
 
 /// Measures the costs of these cameras of a simulation and consumes the simulation. `desc.variants` is for scanners

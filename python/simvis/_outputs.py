@@ -37,6 +37,7 @@ class Outputs:
     box_x_m: npt.NDArray[np.float64]
     box_y_m: npt.NDArray[np.float64]
     box_z_m: npt.NDArray[np.float64]
+    color_stddev: npt.NDArray[np.float32]
     covariance_velocity_x_angular_velocity_z_m_rad_s2: float
     covariance_x_y_m2: float
     covariance_x_yaw_m_rad: float

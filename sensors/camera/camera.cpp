@@ -13,7 +13,8 @@ namespace {
 
 std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  std::vector<OutputSpec> outputs{color_output("color", a), depth_output("depth", a)};
+  std::vector<OutputSpec> outputs{color_output("color", a), color_stddev_output("color_stddev", a),
+                                  depth_output("depth", a)};
   for (OutputSpec& truth : truth_outputs("", a)) outputs.push_back(std::move(truth));
   for (OutputSpec& flow : flow_outputs("", a)) outputs.push_back(std::move(flow));
   for (OutputSpec& layer : layer_outputs("", a)) outputs.push_back(std::move(layer));
@@ -55,8 +56,10 @@ EyeDesc eye_of(const std::string& name, const CameraDesc& desc) {
           .depth = desc.depth,
           .truth = desc.truth,
           .sampling = desc.sampling,
+          .paths = desc.paths,
           .at_once = desc.visualization,
-          .effects = desc.effects};
+          .effects = desc.effects,
+          .seed = desc.seed};
 }
 
 }  // namespace
@@ -65,8 +68,9 @@ AttributeRows<CameraDesc> CameraDesc::rows() {
   using Desc = CameraDesc;
   return {nested(&Desc::pinhole, PinholeDesc::rows()),
           flags_row<Desc>("outputs", {{"color", &Desc::color}, {"depth", &Desc::depth}}, "what the camera measures",
-                          kTruthWords),
+                          "color_stddev " + std::string(kTruthWords)),
           nested(&Desc::sampling, ColorSampling::rows()),
+          nested(&Desc::paths, PathSampling::rows()),
           kLayerAttribute,
           kMaxLayersAttribute,
           row(&Desc::visualization, "view", {{false, "simulation"}, {true, "visualization"}},
@@ -80,6 +84,8 @@ void CameraDesc::complete(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   truth = truth_desc(a, depth);
   check_max_error_px(sampling, color, a);
+  paths.check(a, color, sampling);
+  if (paths.by_paths()) check_cast_pixels(pinhole, a);
   effects =
       camera_effects(kCameraCapabilities, {a, context.seed, context.name, shown_outputs(color, depth || truth.any())});
   if (visualization && truth.any()) {
@@ -110,6 +116,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
 }
 
 void Camera::cast(RayCaster& of_list) {
+  eye_.trace(of_list);
   eye_.cast(world_.layers.caster(of_list));
   if (!desc_.truth.boxes) return;
   objects_.begin();

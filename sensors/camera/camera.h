@@ -45,8 +45,10 @@ struct CameraDesc {
   bool color = true, depth = false;
   TruthDesc truth{};
   ColorSampling sampling{};
+  PathSampling paths{};
   bool visualization = false;  ///< also draws what no simulated sensor sees, such as beams and paths, for human viewers
   std::vector<ChosenCameraEffect> effects{};
+  std::uint64_t seed = 0;
 
   static AttributeRows<CameraDesc> rows();
   void complete(const SensorContext& context);
@@ -56,6 +58,7 @@ class Camera : public Sensor, public Stateful {
  public:
   Camera(const std::string& name, const CameraDesc& desc);
 
+  bool draws() const override { return !desc_.paths.by_paths(); }
   void check(const TargetLimits& limits) const override { optics_.check(desc_, limits); }
   HistoryDependence history_dependence() const override;
   SensorNeeds needs() const override { return eye_.needs(); }
@@ -74,7 +77,7 @@ class Camera : public Sensor, public Stateful {
   Measurement measurement() const override;
   std::vector<NumberOnRequest> on_request() const override;
   bool visualization() const override { return desc_.at_once; }
-  std::string method() const override { return "rasterised"; }
+  std::string method() const override { return draws() ? "rasterised" : "path traced"; }
 
  private:
   EyeDesc desc_;

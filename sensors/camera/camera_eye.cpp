@@ -73,6 +73,9 @@ CameraEye::CameraEye(EyeDesc desc, EyeOptics& optics, const EyeWorld& world)
   const bool depth = desc_.depth || desc_.disparity() || desc_.truth.any();
   if (depth && !optics.rays && !optics.resamples()) open_.emplace(optics.layout, optics.views, desc_.pinhole.near_m);
   if (desc_.truth.layers > 0) layers_.emplace(desc_.truth.layers, desc_.pinhole.width_px, desc_.pinhole.height_px);
+  if (desc_.paths.by_paths()) {
+    paths_.emplace(desc_.paths, desc_.sensor, desc_.seed, optics.layout, desc_.pinhole.near_m);
+  }
   if (desc_.truth.flow.any()) flow_.emplace(desc_.truth.flow, optics.layout, optics.views, desc_.pinhole.near_m);
 }
 
@@ -149,16 +152,17 @@ CameraMoment CameraEye::moment() const {
   return moment;
 }
 
-// Rows that share a pose, as the views of the eye do. Their items are in `moved`.
-std::vector<PixelRows> CameraEye::all_rows(std::vector<std::vector<ItemPlace>>& moved) const {
+// Rows that share a pose, as the views of the eye do, `time_s` after their time. Their items are in `moved`.
+std::vector<PixelRows> CameraEye::all_rows(std::vector<std::vector<ItemPlace>>& moved, double time_s) const {
   std::vector<PixelRows> rows;
+  moved.clear();
   moved.reserve(optics_.views.views.size());
   for (const CameraView& view : optics_.views.views) {
     if (!rows.empty() && view.first_row < rows.back().first + rows.back().count) continue;
-    moved.push_back(places(view.time_s));
+    moved.push_back(places(view.time_s + time_s));
     rows.push_back({.first = view.first_row,
                     .count = view.rows,
-                    .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
+                    .world_from_view = world_from_camera(view.time_s + time_s) * sensor_from_view(),
                     .places = moved.back()});
   }
   return rows;
@@ -175,7 +179,7 @@ bool CameraEye::moves() const {
 // One time shows an image through a pinhole in which nothing moves.
 void CameraEye::choose_samples() {
   taken_samples_ = optics_.still_samples;
-  const bool sampled = desc_.color && !optics_.layout.exposure.one_picture();
+  const bool sampled = desc_.draws_color() && !optics_.layout.exposure.one_picture();
   if (sampled && (optics_.layout.exposure.aperture_m != 0 || moves())) taken_samples_ = optics_.samples;
 }
 
@@ -193,8 +197,8 @@ void CameraEye::choose_drawings() {
   const bool depth = draws_depth(), one_sample = optics_.layout.exposure.one_picture();
   const char* const why =
       one_sample ? why_depth_apart(desc_.sampling) : ", apart: at one time, from the centre of the lens";
-  const bool apart = desc_.color && depth && why != nullptr;
-  for (std::size_t i = 0; desc_.color && i < taken_samples_.size(); ++i) {
+  const bool apart = desc_.draws_color() && depth && why != nullptr;
+  for (std::size_t i = 0; desc_.draws_color() && i < taken_samples_.size(); ++i) {
     const std::string sample =
         "sample " + std::to_string(i + 1) + " of " + std::to_string(taken_samples_.size()) + " of the ";
     const bool both = depth && !apart;
@@ -203,7 +207,7 @@ void CameraEye::choose_drawings() {
                          .what = (taken_samples_.size() == 1 ? "" : sample) + (both ? "colour and depth" : "colour"),
                          .sample = taken_samples_[i]});
   }
-  if (depth && (apart || !desc_.color)) {
+  if (depth && (apart || !desc_.draws_color())) {
     drawings_.push_back({.depth = true, .what = "depth", .why = apart ? why : ""});
   }
 }
@@ -298,6 +302,7 @@ void CameraEye::plan_rays(FramePlan& plan) const {
                    (optics_.resamples() ? ", which is no pixel of a view" : ", as what is measured needs"),
          .max_rays = pixels});
   }
+  if (paths_) paths_->plan(desc_.title, plan);
   if (desc_.truth.boxes) plan.casts.push_back(silhouette_cast(desc_.title, desc_.sensor, pixels));
 }
 
@@ -308,7 +313,7 @@ CameraEye::Drawn CameraEye::drawn(const Drawing& drawing, const FramePlan& plan,
 }
 
 void CameraEye::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
-  if (desc_.color) collect_color(time, plan, results);
+  if (desc_.draws_color()) collect_color(time, plan, results);
   if (draws_depth()) collect_depth(drawn(drawings_.back(), plan, results));
   measured_ = {time.time_ns, world_from_camera_};
   last_ = measured_;
@@ -392,6 +397,21 @@ void CameraEye::read_disparity(const Drawn& drawn) {
 // A surface beside or behind the camera is in no rectified image.
 void CameraEye::set_disparity(std::size_t pixel, double depth_m) {
   disparity_.pixels.edit()[pixel] = depth_m > 0 ? static_cast<float>(disparity_times_depth() / depth_m) : 0;
+}
+
+// Where nothing moves, all samples have the same rows.
+void CameraEye::trace(RayCaster& caster) {
+  if (!paths_) return;
+  paths_->begin(*world_.drawn, time_);
+  const bool moving = moves();
+  std::vector<std::vector<ItemPlace>> moved;
+  std::vector<PixelRows> rows;
+  for (std::uint32_t sample = 0; sample < paths_->samples(); ++sample) {
+    if (sample == 0 || moving) rows = all_rows(moved, paths_->time_s(sample));
+    paths_->take(sample, caster, rows);
+  }
+  paths_->finish(color_);
+  if (desc_.color) post_process(desc_.effects, time_, optics_.layout, color_);
 }
 
 void CameraEye::cast(RayCaster& caster) {
@@ -497,6 +517,7 @@ void CameraEye::add_to(Measurement& measurement) const {
     measurement.arrays.push_back(image_array(name, image, content, unit, desc_.view));
   };
   if (desc_.color) add(desc_.color_name, color_, ImageContent::color, "");
+  if (desc_.paths.stddev) add(desc_.color_name + "_stddev", paths_->stddev(), ImageContent::numbers, "");
   if (desc_.depth) add(desc_.prefix + "depth", depth_, ImageContent::depth, "m");
   truth_.add_to(measurement, desc_.prefix, desc_.view);
   if (flow_) flow_->add_to(measurement, desc_.prefix, desc_.view);

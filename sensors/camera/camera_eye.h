@@ -77,6 +77,8 @@ class CameraEye {
   void finish_plan(FramePlan& plan);
 
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results);
+  /// Takes colour by paths of light. `caster`'s world is the list of the frame. Throws InputError if it has splats.
+  void trace(RayCaster& caster);
   /// `caster`'s world is EyeWorld::list.
   void cast(RayCaster& caster);
   /// Whether the last image shows splats; after cast().
@@ -117,7 +119,7 @@ class CameraEye {
   glm::dmat4 world_from_camera(double time_s) const;
   std::vector<ItemPlace> places(double time_s) const;
   CameraMoment moment() const;
-  std::vector<PixelRows> all_rows(std::vector<std::vector<ItemPlace>>& moved) const;
+  std::vector<PixelRows> all_rows(std::vector<std::vector<ItemPlace>>& moved, double time_s = 0) const;
   void choose_samples();
   void choose_drawings();
   View view_of(const CameraView& seen, const Drawing& drawing) const;
@@ -135,7 +137,8 @@ class CameraEye {
   void keep_drawn_depth();
   void add_splats(unsigned threads);
   bool may_show_splats() const {
-    return desc_.sees_splats && (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
+    return desc_.sees_splats && !paths_ &&
+           (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
   }
   bool reads_depth() const {
     return desc_.depth || looks_at_splats_ || (desc_.disparity() && optics_.resamples() && !optics_.rays);
@@ -168,6 +171,7 @@ class CameraEye {
   bool shows_round_ = false;            // in this frame: pixels of round shapes are cast
   bool looks_at_splats_ = false;        // in this frame
   std::optional<CameraSplats> splats_;  // made when first needed
+  std::optional<PathImage> paths_;      // empty if colour is drawn
 };
 
 }  // namespace simvis

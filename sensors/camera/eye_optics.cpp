@@ -15,10 +15,12 @@ constexpr std::uint64_t kMaxSampledPixels = std::uint64_t{1} << 25;
 
 EyeOptics::EyeOptics(const EyeDesc& desc)
     : layout(camera_layout(desc.pinhole, desc.effects)),
-      views(camera_views(layout, desc.color ? desc.sampling.supersampling : 1)),
+      views(camera_views(layout, desc.draws_color() ? desc.sampling.supersampling : 1)),
       samples(color_samples(layout.exposure)),
       still_samples(simvis::still_samples(layout.exposure)) {
-  if (desc.truth.casts() || (desc.truth.any() && resamples())) rays.emplace(layout, views, desc.pinhole.near_m);
+  const bool casts_all = desc.paths.by_paths() && (desc.depth || desc.truth.any());
+  if (casts_all || desc.truth.casts() || (desc.truth.any() && resamples()))
+    rays.emplace(layout, views, desc.pinhole.near_m);
   if (!desc.truth.boxes) return;
   canvas.emplace(layout, views, desc.pinhole.near_m);
   silhouettes.emplace(*canvas);

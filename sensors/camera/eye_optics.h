@@ -13,6 +13,7 @@
 #include "sensors/camera/camera_views.h"
 #include "sensors/camera/color_samples.h"
 #include "sensors/camera/object_table.h"
+#include "sensors/camera/path_image.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_rays.h"
 #include "sensors/camera/pixel_truth.h"
@@ -32,10 +33,13 @@ struct EyeDesc {
   double baseline_m = 0;  ///< above 0: disparity is measured too, to an eye that is so far to the right
   TruthDesc truth{};
   ColorSampling sampling{};
+  PathSampling paths{};  ///< of colour
   bool sees_splats = true;
   bool at_once = false;  ///< all rows and samples are taken at the frame's time, whatever effects say
   std::vector<ChosenCameraEffect> effects{};
+  std::uint64_t seed = 0;  ///< of paths
 
+  bool draws_color() const { return color && !paths.by_paths(); }
   bool disparity() const { return baseline_m > 0; }
 };
 

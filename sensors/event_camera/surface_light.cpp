@@ -1,11 +1,13 @@
 #include "sensors/event_camera/surface_light.h"
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 
+#include "engine/draw/luminance.h"
 #include "engine/draw/sky_sphere.h"
 #include "engine/draw/surface_alpha.h"
-#include "sensors/direct_light.h"
+#include "engine/light/direct_light.h"
 
 namespace simvis {
 namespace {
@@ -45,8 +47,8 @@ double surface_light(const SceneOverTime& scene, double share, std::uint32_t ite
     const glm::dvec3 normal = shading_normal(mesh, primitive, weights, glm::dmat3(world_from_mesh),
                                              glm::dmat3(scene.world_from_view(share)) * direction);
     for (const LightItem& light : list.lights) {
-      arriving += direct_light(light.light, list.world_from_node[light.transform], point_m, normal).irradiance /
-                  std::numbers::pi;
+      const DirectLight direct = direct_light(light.light, list.world_from_node[light.transform], point_m);
+      arriving += direct.irradiance * (std::max(0.0, glm::dot(normal, direct.toward)) / std::numbers::pi);
     }
   }
   return luminance(base * arriving + glm::dvec3(material.emissive));

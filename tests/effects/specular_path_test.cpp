@@ -1,5 +1,5 @@
 // Mirrors and panes of glass: ranges compared with unfolded paths, powers with Fresnel's equations, for every engine.
-#include "effects/scanner/specular_path.h"
+#include "engine/light/surface_shares.h"
 
 #include <doctest/doctest.h>
 

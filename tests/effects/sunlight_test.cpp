@@ -7,7 +7,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "effects/scanner/specular_path.h"
+#include "engine/light/surface_shares.h"
 #include "tests/support/infinity.h"
 #include "tests/support/made_up_scan.h"
 

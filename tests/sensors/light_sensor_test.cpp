@@ -1,12 +1,14 @@
 // The light sensor against photometry: Lambert's law, the inverse square, spots, shadows, walls that reflect.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include <simvis/simulation.h>
-#include "sensors/direct_light.h"
+#include "engine/draw/luminance.h"
+#include "engine/light/direct_light.h"
 #include "sensors/light_sensor.h"
 
 TEST_SUITE_BEGIN("sensors");
@@ -40,7 +42,8 @@ TEST_CASE("direct light: laws of Lambert and of the inverse square, spots and ra
   const auto at = [](const Light& light, const glm::dvec3& normal) {
     glm::dmat4 world_from_light(1);
     world_from_light[3] = {0, 0, 2, 1};
-    return direct_light(light, world_from_light, {0, 0, 0}, normal).illuminance_lx;
+    const DirectLight direct = direct_light(light, world_from_light, {0, 0, 0});
+    return luminance(direct.irradiance) * std::max(0.0, glm::dot(normal, direct.toward));
   };
   const glm::dvec3 up(0, 0, 1), slanted(0, std::sin(1.0), std::cos(1.0));
   Light sun{.kind = LightKind::directional, .intensity = 100, .direction = {0, 0, -1}};

@@ -1,4 +1,4 @@
-#include "sensors/direct_light.h"
+#include "engine/light/direct_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,12 @@
 namespace simvis {
 
 // KHR_lights_punctual, "Range Property" and "Inner and Outer Cone Angles".
-DirectLight direct_light(const Light& light, const glm::dmat4& world_from_light, const glm::dvec3& point_m,
-                         const glm::dvec3& normal) {
-  const glm::dvec3 shines = glm::normalize(glm::dmat3(world_from_light) * light.direction);
+DirectLight direct_light(const Light& light, const glm::dmat4& frame, const glm::dvec3& point_m) {
+  const glm::dvec3 shines = glm::normalize(glm::dmat3(frame) * light.direction);
   DirectLight direct{.toward = -shines, .distance_m = std::numeric_limits<double>::infinity()};
   double share = light.intensity;
   if (light.kind != LightKind::directional) {
-    const glm::dvec3 way = glm::dvec3(world_from_light[3]) - point_m;
+    const glm::dvec3 way = glm::dvec3(frame[3]) - point_m;
     direct.distance_m = glm::length(way);
     if (direct.distance_m == 0) return direct;
     direct.toward = way / direct.distance_m;
@@ -26,9 +25,7 @@ DirectLight direct_light(const Light& light, const glm::dmat4& world_from_light,
     const double inside = std::clamp(cone, 0.0, 1.0);
     share *= inside * inside;
   }
-  const double cosine = std::max(0.0, glm::dot(normal, direct.toward));
-  direct.irradiance = glm::dvec3(light.color) * share * cosine;
-  direct.illuminance_lx = luminance(glm::dvec3(light.color)) * share * cosine;
+  direct.irradiance = glm::dvec3(light.color) * share;
   return direct;
 }
 

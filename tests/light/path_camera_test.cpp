@@ -1,0 +1,132 @@
+// Cameras with light="path" in scenes: what they need, what they refuse, and what they cost if nobody asks for them.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/diagnostics.h>
+#include <simvis/simulation.h>
+#include "tests/support/error_of.h"
+
+TEST_SUITE_BEGIN("engine/light");
+
+namespace simvis::test {
+namespace {
+
+const std::string kRoom =
+    "<part name='FLOOR' insert_at='ROOT' shape='plane' size='9 7' color='0.5 0.45 0.4'/>"
+    "<part name='BALL' insert_at='ROOT' shape='sphere' radius='0.5' pose_offset='3 0 0.5 0 0 0'/>"
+    "<element type='light' name='LAMP' insert_at='ROOT' kind='point' x='2' z='3' intensity='20'/>";
+
+const std::string kSmall = "width='16' height='12' ";
+
+std::string camera(const std::string& attributes) {
+  return "<sensor type='camera' name='C' insert_at='ROOT' pose_offset='0 0 1 0 10 0' " + attributes + "/>";
+}
+
+std::string refusal(const std::string& attributes, const std::string& more = "") {
+  return error_of([&] {
+    Simulation simulation = Simulation::from_string("<simvis>" + kRoom + camera(attributes) + more + "</simvis>");
+    simulation.step();
+  });
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_CASE("a path camera opens no device, has its error as an output, and the depth that a drawn one has") {
+  Simulation paths = Simulation::from_string(
+      "<simvis>" + kRoom +
+      camera(kSmall + "light='path' samples='4' bounces='2' outputs='color color_stddev depth instance'") +
+      "</simvis>");
+  const bool at_once = paths.diagnostics().device() != nullptr;
+  CHECK_FALSE(at_once);
+  paths.step();
+  const Measurement measured = paths.measurement("C");
+  const MeasuredArray* const stddev = measured.find("color_stddev");
+  REQUIRE(stddev != nullptr);
+  CHECK(stddev->shape == OutputShape{12, 16, 3});
+  REQUIRE(measured.find("color") != nullptr);
+  CHECK(measured.find("color")->number(4 * (11 * 16 + 8)) > 0);
+  Simulation drawn =
+      Simulation::from_string("<simvis>" + kRoom + camera(kSmall + "outputs='depth instance'") + "</simvis>");
+  drawn.step();
+  const Measurement expected = drawn.measurement("C");
+  for (std::size_t i = 0; i < 16 * 12; ++i) {
+    CHECK(measured.find("instance")->number(i) == expected.find("instance")->number(i));
+    const double depth = measured.find("depth")->number(i), drawn_depth = expected.find("depth")->number(i);
+    if (std::isfinite(drawn_depth)) CHECK(std::abs(depth - drawn_depth) <= 1e-4 * drawn_depth);
+  }
+}
+
+// The radiance of one pixel that looks along +x at a wall, which shines from y = `edge_m` on to the left at x = 3. The
+// camera goes from y = -0.3 to 0.1 in the last of two frames.
+struct OnePixel {
+  double mean, stddev;
+};
+
+OnePixel pixel_at_edge(double edge_m, const std::string& attributes) {
+  Simulation simulation = Simulation::from_string(
+      "<simvis><part name='WALL' insert_at='ROOT' shape='box' size='0.2 4 4' color='0 0 0' pose_offset='3.1 " +
+      format_number(edge_m + 2) +
+      " 0 0 0 0'/><element type='material' name='SHINE' insert_at='ROOT' part='WALL' emission_red='1'/>"
+      "<element type='sky' name='SKY' insert_at='ROOT' red='0' green='0' blue='0'/>"
+      "<part name='CARRIER' insert_at='ROOT'/><element type='pose' name='MOVE' insert_at='CARRIER'/>"
+      "<sensor type='camera' name='C' insert_at='CARRIER' width='1' height='1' hfov='1e-6' light='path' bounces='0' "
+      "samples='4000' outputs='color color_stddev' " +
+      attributes + "/></simvis>");
+  for (const double y_m : {-0.3, 0.1}) {
+    simulation.set("MOVE", "y", y_m);
+    simulation.step();
+  }
+  const Measurement measured = simulation.measurement("C");
+  return {measured.find("color")->number(0), measured.find("color_stddev")->number(0)};
+}
+
+TEST_CASE("samples fill the exposure: an edge that passes the pixel") {
+  // Half of the frame's 1/15 s, in which the camera goes from y = -0.1 to 0.1.
+  const OnePixel pixel = pixel_at_edge(0.05, "exposure_time='0.03333333333333333'");
+  CHECK(std::abs(pixel.mean - 0.25) <= 5 * pixel.stddev);
+  CHECK(std::abs(pixel.stddev - std::sqrt(0.25 * 0.75 / 4000)) < 1e-3);
+}
+
+TEST_CASE("samples fill the lens: a circle of confusion that an edge cuts") {
+  // A point of the lens at y sees y + 2 (-y) = -2 y of the wall, relative to the camera at y = 0.1. The lens has the
+  // radius 0.05, and what is beyond y = -0.02 sees the wall: a segment of the disc.
+  const OnePixel pixel = pixel_at_edge(0.14, "aperture='0.1' focus_distance='1'");
+  const double height = 0.4, share = (std::acos(height) - height * std::sqrt(1 - height * height)) / std::acos(-1.0);
+  CHECK(std::abs(pixel.mean - share) <= 5 * pixel.stddev);
+  CHECK(pixel.stddev > 0);
+}
+
+TEST_CASE("what contradicts the light is refused at its place") {
+  CHECK(contains(refusal("samples='4'"), "attribute \"samples\": a drawn picture has none"));
+  CHECK(contains(refusal("bounces='4'"), "attribute \"bounces\": a drawn picture has none"));
+  CHECK(contains(refusal("outputs='color_stddev'"), "attribute \"outputs\": color_stddev: a drawn picture has none"));
+  CHECK(contains(refusal("light='path' samples='0'"), "samples"));
+  CHECK(contains(refusal("light='path' samples='1' outputs='color_stddev'"), "one sample shows no standard deviation"));
+  CHECK(contains(refusal("light='path' outputs='depth'"), "paths are of colour"));
+  CHECK(contains(refusal("light='path' supersampling='4'"), "attribute \"supersampling\""));
+  CHECK(contains(refusal("light='path' msaa='4'"), "attribute \"msaa\""));
+  CHECK(contains(refusal("light='path' max_error_px='1'"), "attribute \"max_error_px\""));
+  CHECK(contains(refusal("light='path' width='4000' height='4000'"), "too many pixels"));
+  CHECK(contains(refusal("light='path' color_magnification='1 1 1.01'"), "color_magnification"));
+}
+
+TEST_CASE("a scene with a path camera that is off costs what it costs without it") {
+  const auto costs = [](const std::string& more) {
+    SimulationDesc desc;
+    desc.sensors = {"D"};
+    Simulation simulation = Simulation::from_string(
+        "<simvis>" + kRoom + "<sensor type='thermal_camera' name='D' insert_at='ROOT' width='8' height='6'/>" + more +
+            "</simvis>",
+        desc);
+    simulation.step();
+    return std::pair(simulation.diagnostics().ray_counters().rays, simulation.diagnostics().device() != nullptr);
+  };
+  CHECK(costs(camera("light='path'")) == costs(""));
+}
+
+}  // namespace
+}  // namespace simvis::test
