@@ -39,7 +39,7 @@ const AttributeRows<SkyLightDesc> kSkyLightRows = sky_light_rows();
 
 const ElementRegistration kSkyLightRegistration({
     .name = "sky_light",
-    .summary = "Light from the whole sky that things block: ambient occlusion, or the light of a picture.",
+    .summary = "Light from the whole sky that objects block: ambient occlusion, or the light of a picture.",
     .notes =
         "The lights of the sky stand on a sphere around the scene, below the horizon too. The ambient light of the "
         "element sky adds to it. It switches off the built-in light. A picture is also what cameras see where nothing "

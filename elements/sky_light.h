@@ -1,4 +1,4 @@
-// The element `sky_light`: light from the whole sky and from below, which things block: of the same radiance
+// The element `sky_light`: light from the whole sky and from below, which objects block: of the same radiance
 // everywhere (ambient occlusion), or of a picture (image-based lighting).
 //
 //   <element type="sky_light" name="DAY" insert_at="ROOT" red="0.4" green="0.5" blue="0.6" sky_points="64"/>

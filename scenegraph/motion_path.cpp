@@ -82,6 +82,12 @@ std::size_t displacements(const MotionPath& path) {
   return most;
 }
 
+double extrapolation(const MotionPath& path, double share) {
+  if (path.pieces.empty()) return 1;
+  const MotionPiece& first = path.pieces.front();
+  return std::max(1.0, (first.end - share) / (first.end - first.begin));
+}
+
 double rounded_length_m(const MotionPath& path, const glm::dvec3& point_m) {
   double longest_m = 0;
   for (const MotionPiece& piece : path.pieces) {

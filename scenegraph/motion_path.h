@@ -25,6 +25,10 @@ glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double 
 /// The displacements of which displacement() is the product, at most.
 std::size_t displacements(const MotionPath& path);
 
+/// The factor by which displacement() at `share` multiplies the screws of a piece, at least 1: shares below -1 continue
+/// the first piece, which may be short.
+double extrapolation(const MotionPath& path, double share);
+
 /// Bounds the lengths that round in displacement() of a point: distances from the points of the displacements, and
 /// their ways.
 double rounded_length_m(const MotionPath& path, const glm::dvec3& point_m);

@@ -9,7 +9,8 @@
 //          Lights   directional, point and spot lights have no area, so no picture shows them. Each adds its
 //          illuminance
 //                   by the laws of KHR_lights_punctual: intensity / distance^2, cone and range included, times cos(a).
-//                   A light that casts shadows is tested with one ray; any other passes through things, as in pictures.
+//                   A light that casts shadows is tested with one ray; any other passes through objects, as in
+//                   pictures.
 //          Surfaces what the sensor sees is rendered into five sides of a cube of `resolution` pixels, lit, shadowed
 //          and
 //                   emitting as in a camera. A pixel adds its luminance times cos(a) times its solid angle. The weights

@@ -10,7 +10,7 @@
 //          that are open, transparent to lasers, or nearer than a camera's `near` are not left out, and neither is a
 //          solid whose box contains the middles of most shapes of other parts: it is a room.
 // Masks    the element `visibility_flags` gives shapes their flags (elements/visibility_flags.h).
-// When     the items are found again whenever the graph is traversed anew: when the scene changes, not when things
+// When     the items are found again whenever the graph is traversed anew: when the scene changes, not when objects
 //          move.
 // Effects  the sensor's views and rays leave the items out, and its draw list has them invisible. So no output of the
 //          sensor shows them: no depth, colour, id, box, silhouette or echo. Items keep their numbers and ids. Lights

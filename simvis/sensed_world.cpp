@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::string_view kWorldPoint = "ROOT", kAllObjects = "*";
 
-/// The insertion points at which the things around a mount are inserted, the innermost one first. What is inserted at a
-/// point stands in front of it in the same group.
+/// The insertion points at which the objects around a mount are inserted, the innermost one first. What is inserted at
+/// a point stands in front of it in the same group.
 std::vector<std::string> points_above(const Group& root, const Mount& mount) {
   std::vector<const Group*> open;
   std::vector<std::string> found;

@@ -32,7 +32,7 @@ const CameraEffectRegistration kMotionBlurRegistration(
          {.name = "motion_blur",
           .summary = "Colour that is exposed for a time while the camera and the world move.",
           .notes =
-              "The exposure ends at the time of the frame, or of the row. The camera and all things move along "
+              "The exposure ends at the time of the frame, or of the row. The camera and all objects move along "
               "their joints between the last measurement and this one. Lights and shadows are those of the time of the "
               "frame. It does not change brightness: see exposure.",
           .source = "attribute exposure_time above 0",

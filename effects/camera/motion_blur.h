@@ -4,7 +4,7 @@
 //
 // The exposure of a row ends at the row's time, which is that of the frame without a rolling shutter. The picture is
 // the mean, in linear light, of `motion_samples` pictures at the middles of equal parts of the exposure. In each of
-// them the camera and the things stand where rolling_shutter.h says, between the last measurement and this one; a
+// them the camera and the objects stand where rolling_shutter.h says, between the last measurement and this one; a
 // camera at its first measurement, and one that sees nothing move, take one picture. Depth and truth are those of the
 // row's time.
 //

@@ -30,7 +30,7 @@ const CameraEffectRegistration kRollingShutterRegistration(
     {.type = {.name = "rolling_shutter",
               .summary = "Rows that are exposed one after the other while the camera and the world move.",
               .notes =
-                  "The last row is exposed at the time of the frame. The camera and all things move "
+                  "The last row is exposed at the time of the frame. The camera and all objects move "
                   "along their joints between the last measurement and this one. Lights and shadows are those of the "
                   "time of the frame.",
               .source = "attribute row_time above 0",

@@ -4,8 +4,8 @@
 //
 // The last row is exposed at the frame's time, the first row (height - 1) row times earlier. Each row is rendered from
 // the camera's pose at its own time, on its path from the previous measurement to this one: see <simvis/motion_path.h>.
-// At its first measurement the camera is at rest. Other things move on such paths too, so that what is fixed to the
-// camera stands still in its pictures. Lights and shadows, and things that are
+// At its first measurement the camera is at rest. Other objects move on such paths too, so that what is fixed to the
+// camera stands still in its pictures. Lights and shadows, and objects that are
 // new or change their scale, stay as at the frame's time.
 #pragma once
 

@@ -40,7 +40,7 @@ class SeenPath {
     MovedItems::Seen seen{.ray = ray, .ray_from_seen = then_.turn};
     seen.ray.origin_m = origin_m_ + back * (from_origin - then_.way_m);
     seen.ray.direction = glm::normalize(back * ray.direction);
-    const double parts = std::max(1.0, ray.back);
+    const double parts = extrapolation(path_, -ray.back);
     seen.ray.origin_error_m += parts * (error_m_ + error_rad_ * glm::length(from_origin));
     seen.ray.error_rad += parts * error_rad_;
     return seen;

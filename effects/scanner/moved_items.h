@@ -4,7 +4,7 @@
 // meets it where the ray moved by the inverse displacement meets the item as it is now, at the same range. So an item
 // keeps its place and its tree, and the rays are moved instead.
 //
-// A ray's path through the things that stand is that of the caster's world without the moved items: a hit on one of
+// A ray's path through the objects that stand is that of the caster's world without the moved items: a hit on one of
 // these is passed over by casting the ray again from behind it.
 #pragma once
 

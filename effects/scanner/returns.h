@@ -30,7 +30,7 @@ inline constexpr double kPulseLength_m = 0.75;
 ///
 /// Rays that stand for cones are samples of the light in them. The range of the light itself is then a mean over parts
 /// of the beam, in each of which a flat surface is at most within_cone_m farther or nearer than at the ray: it differs
-/// from the mean of the samples by at most their spread and the largest within_cone_m. The bound does not cover things
+/// from the mean of the samples by at most their spread and the largest within_cone_m. The bound does not cover objects
 /// that no ray meets, nor surfaces that bend or end within the cone of a ray by more than a plane does.
 void merge_pulses(double pulse_length_m, std::vector<Echo>& echoes);
 

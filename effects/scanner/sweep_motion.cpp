@@ -44,9 +44,10 @@ std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context
 const ScanEffectRegistration kSweepMotionRegistration(
     {.type = {.name = "sweep_motion",
               .summary = "Each beam leaves at its own time, from where the sensor was then.",
-              .notes = "The last beam leaves at the time of the frame. The sensor and all things move along their "
-                       "joints since its previous measurement; at its first measurement they stand still. Ranges and "
-                       "x, y, z are in the frame at the time of emission; the column time_s has the time of each beam.",
+              .notes =
+                  "The last beam leaves at the time of the frame. The sensor and all objects move along "
+                  "their joints since its previous measurement; at its first measurement they stand still. Ranges and "
+                  "x, y, z are in the frame at the time of emission; the column time_s has the time of each beam.",
               .source = "attribute sweep above 0, or firing=\"pattern\"",
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
@@ -81,7 +82,7 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
     ray.back = times_.age_s(context, ray.beam) / interval_s;
     Displacement then = displacement(path, -ray.back, glm::dvec3(now[3]));
     then = {axes_from_world * then.turn * world_from_axes, axes_from_world * then.way_m};
-    const double parts = std::max(1.0, ray.back);
+    const double parts = extrapolation(path, -ray.back);
     const glm::dvec3 start_m = ray.origin_m;
     ray.error_rad = error_rad * parts;
     ray.origin_m = then.way_m;

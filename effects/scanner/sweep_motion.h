@@ -11,10 +11,11 @@
 // Ranges, angles and x, y, z refer to the sensor frame at the time when the beam left, as in a device without motion
 // compensation. The channel "time_s" is the time of each beam. In a CSV file it replaces the frame's time.
 //
-// Other things move too, on such paths: each beam meets them where they were when it left, see MovedItems. So what is
+// Other objects move too, on such paths: each beam meets them where they were when it left, see MovedItems. So what is
 // fixed to the sensor stands still for all its beams.
 //
-// Limit: a thing that was not there at the last measurement, or that changes its scale, stands as at the frame's time.
+// Limit: an object that was not there at the last measurement, or that changes its scale, stands as at the frame's
+// time.
 #pragma once
 
 #include <vector>

@@ -60,7 +60,7 @@ class MessageSink {
 
 /// Fills, encodes and writes messages.
 struct MessageJob {
-  /// A measurement may be left out where there is no room for it; what says how things are may not.
+  /// A measurement may be left out where there is no room for it; what says how objects are may not.
   enum class Kind : std::uint8_t { state, measurement } kind = Kind::state;
   std::size_t held_bytes = 0;  ///< size of the copies and kept images that the job works on
   std::uint64_t messages = 1;  ///< that it writes

@@ -13,7 +13,7 @@
 
 namespace simvis {
 
-/// A place that other things stand in, with an insertion point, a joint, or neither.
+/// A place that other objects stand in, with an insertion point, a joint, or neither.
 struct ModelStep {
   glm::dmat4 place{1.0};                  ///< in the step before it, or in the last one of the frame around
   std::string point{};                    ///< name of the insertion point at this place; empty: there is none

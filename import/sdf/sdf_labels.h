@@ -29,7 +29,7 @@ namespace simvis {
 bool is_sdf_label(const SdfElement& plugin);
 
 /// The number of the last label among the children of a model, an <include> or a visual; empty: there is none, or it is
-/// 0, which stands for things without a class. Throws InputError at a label without a number from 0 to 255.
+/// 0, which stands for objects without a class. Throws InputError at a label without a number from 0 to 255.
 std::optional<std::uint32_t> sdf_label(const SdfElement& parent);
 
 /// A number of a visual, or of a whole link.

@@ -90,7 +90,7 @@ struct simvis_header {
   uint64_t frame_padding[3]; /**< 0 */
 };
 
-/** An element: a thing whose parameters can be changed. */
+/** An element: an object whose parameters can be changed. */
 struct simvis_element {
   struct simvis_text name;            /**< the element's name */
   struct simvis_text type;            /**< its type */

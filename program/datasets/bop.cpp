@@ -7,7 +7,7 @@
 //     scene_camera.json scene_gt.json scene_gt_info.json
 //
 // Objects  Items that have a class; items of the same mesh and scale are the same object. Objects are numbered from
-//          1 by their lowest instance id. All frames must have the same things.
+//          1 by their lowest instance id. All frames must have the same objects.
 // Poses    from the object's box to the camera (x right, y down, z forward), in millimetres; matrices row by row.
 // Depth    along the optical axis: 16-bit codes x depth_scale are millimetres; 0: nothing, or too far for the codes.
 // Boxes    (x, y, xmax - xmin, ymax - ymin) of pixel numbers, so that one pixel has the width 0. `bbox_obj` and
@@ -169,7 +169,7 @@ class BopView {
     image("depth/" + number_ + ".png",
           [depth = *view_.depth, unit_m = depth_unit_m_] { return encode_depth_png(depth, unit_m); });
     Record gt = Record::array(), info = Record::array();
-    for (std::uint32_t i = 0; i < view_.things.size(); ++i) add_thing(i, piece, gt, info);
+    for (std::uint32_t i = 0; i < view_.objects.size(); ++i) add_object(i, piece, gt, info);
     const glm::dmat4 optical_from_world = glm::inverse(view_.world_from_optical);
     piece.record["views"].push_back({{"view", view_.name},
                                      {"size", {view_.camera.width_px, view_.camera.height_px}},
@@ -183,26 +183,26 @@ class BopView {
   }
 
  private:
-  void add_thing(std::uint32_t number, FramePiece& piece, Record& gt, Record& info) const {
-    const SeenThing& thing = view_.things[number];
+  void add_object(std::uint32_t number, FramePiece& piece, Record& gt, Record& info) const {
+    const ObjectInView& object = view_.objects[number];
     const PixelMask silhouette = mask_channel(*view_.silhouettes, number),
-                    visible = mask_of(*view_.instance, thing.instance);
+                    visible = mask_of(*view_.instance, object.instance);
     const std::string file = number_ + "_" + frame_name(number) + ".png";
     for (const auto& [name, mask] : {std::pair("mask/", &silhouette), {"mask_visib/", &visible}}) {
       piece.files.push_back(
           {folder_ + name + file, [pixels = *mask] { return mask_png(pixels); }, mask->pixels.size()});
     }
-    gt.push_back({{"cam_R_m2c", rows_of(thing.optical_from_box)},
-                  {"cam_t_m2c", millimetres(thing.centre_m)},
-                  {"obj_id", objects_.number.at(thing.instance)},
-                  {"instance_id", thing.instance}});
+    gt.push_back({{"cam_R_m2c", rows_of(object.optical_from_box)},
+                  {"cam_t_m2c", millimetres(object.centre_m)},
+                  {"obj_id", objects_.number.at(object.instance)},
+                  {"instance_id", object.instance}});
     info.push_back(
-        {{"bbox_obj", bop_box(thing.full)},
-         {"bbox_visib", thing.visible_pixels == 0 ? Record{-1, -1, -1, -1} : bop_box(thing.visible)},
-         {"px_count_all", thing.full_pixels},
+        {{"bbox_obj", bop_box(object.full)},
+         {"bbox_visib", object.visible_pixels == 0 ? Record{-1, -1, -1, -1} : bop_box(object.visible)},
+         {"px_count_all", object.full_pixels},
          {"px_count_valid", with_depth(silhouette, *view_.depth, depth_unit_m_)},
-         {"px_count_visib", thing.visible_pixels},
-         {"visib_fract", static_cast<double>(thing.visible_pixels) / static_cast<double>(thing.full_pixels)}});
+         {"px_count_visib", object.visible_pixels},
+         {"visib_fract", static_cast<double>(object.visible_pixels) / static_cast<double>(object.full_pixels)}});
   }
 
   const SeenView& view_;

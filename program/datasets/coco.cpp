@@ -93,18 +93,18 @@ void order_points(const std::set<std::string>& names, Record& annotation) {
   annotation["num_keypoints"] = labelled;
 }
 
-Record annotation_of(const SeenView& view, const SeenThing& thing) {
-  const BoxPx& box = thing.visible;
-  return {{"category_id", thing.semantic},
+Record annotation_of(const SeenView& view, const ObjectInView& object) {
+  const BoxPx& box = object.visible;
+  return {{"category_id", object.semantic},
           {"bbox", {box.x_min, box.y_min, box.x_max - box.x_min, box.y_max - box.y_min}},
-          {"area", thing.visible_pixels},
+          {"area", object.visible_pixels},
           {"iscrowd", 0},
           {"segmentation",
            {{"size", {view.camera.height_px, view.camera.width_px}},
-            {"counts", coco_rle(mask_of(*view.instance, thing.instance))}}},
-          {"instance_id", thing.instance},
-          {"visible_fraction", thing.visible_fraction},
-          {"truncated", thing.truncated}};
+            {"counts", coco_rle(mask_of(*view.instance, object.instance))}}},
+          {"instance_id", object.instance},
+          {"visible_fraction", object.visible_fraction},
+          {"truncated", object.truncated}};
 }
 
 }  // namespace
@@ -129,10 +129,10 @@ FramePiece CocoFormat::frame(const DatasetFrame& frame) const {
     piece.files.push_back({"images/" + file, [color = *view.color] { return encode_png(color); },
                            view.color->pixels.size() * sizeof(float)});
     Record annotations = Record::array();
-    for (const SeenThing& thing : view.things) {
-      if (thing.visible_pixels == 0) continue;
-      annotations.push_back(annotation_of(view, thing));
-      const SeenPoints own = points.of(view, thing.instance);
+    for (const ObjectInView& object : view.objects) {
+      if (object.visible_pixels == 0) continue;
+      annotations.push_back(annotation_of(view, object));
+      const SeenPoints own = points.of(view, object.instance);
       if (!own.empty()) annotations.back()[kPoints] = points_record(own);
     }
     images.push_back({{"camera", view.name},

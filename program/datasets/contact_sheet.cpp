@@ -85,7 +85,7 @@ class SheetView {
     for (std::uint32_t y = 0; y < height_; ++y) {
       for (std::uint32_t x = 0; x < kSheetTile_px; ++x) fill(x, y);
     }
-    for (const SeenThing& thing : view_.things) draw_box(thing);
+    for (const ObjectInView& object : view_.objects) draw_box(object);
     return std::move(rows_);
   }
 
@@ -110,19 +110,19 @@ class SheetView {
     if (view_.instance != nullptr) put(2, x, y, color_of(static_cast<std::uint32_t>(view_.instance->number(pixel))));
   }
 
-  void draw_box(const SeenThing& thing) {
-    const bool is_visible = thing.visible_pixels > 0;
-    const BoxPx& box = is_visible ? thing.visible : thing.full;
+  void draw_box(const ObjectInView& object) {
+    const bool is_visible = object.visible_pixels > 0;
+    const BoxPx& box = is_visible ? object.visible : object.full;
     const double sx = static_cast<double>(kSheetTile_px) / view_.camera.width_px,
                  sy = static_cast<double>(height_) / view_.camera.height_px;
     const auto left = static_cast<int>(std::floor(box.x_min * sx)), top = static_cast<int>(std::floor(box.y_min * sy)),
                right = static_cast<int>(std::ceil(box.x_max * sx)) - 1,
                bottom = static_cast<int>(std::ceil(box.y_max * sy)) - 1;
     for (int x = left; x <= right; ++x) {
-      for (const int y : {top, bottom}) dot(x, y, x, is_visible, thing.instance);
+      for (const int y : {top, bottom}) dot(x, y, x, is_visible, object.instance);
     }
     for (int y = top; y <= bottom; ++y) {
-      for (const int x : {left, right}) dot(x, y, y, is_visible, thing.instance);
+      for (const int x : {left, right}) dot(x, y, y, is_visible, object.instance);
     }
   }
 

@@ -75,7 +75,7 @@ class DatasetFormat {
   /// Called before the first frame with all sensors that are on, by their names. Throws InputError naming a sensor that
   /// the format cannot hold, or an output that it needs.
   virtual void begin(std::span<const DatasetSensor> sensors) = 0;
-  /// The piece of one frame, which depends on nothing but this frame and begin(). Throws InputError for a thing that
+  /// The piece of one frame, which depends on nothing but this frame and begin(). Throws InputError for an object that
   /// the format cannot describe.
   virtual FramePiece frame(const DatasetFrame& frame) const = 0;
   /// The files of the whole, from the records of all frames in order. Throws InputError if they contradict each other.

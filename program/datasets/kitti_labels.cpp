@@ -27,15 +27,15 @@ std::string type_of(std::uint32_t semantic, const std::map<std::uint32_t, std::s
   return type;
 }
 
-std::string label(const SeenThing& thing, const std::string& type) {
-  const glm::dvec3 heading = thing.optical_from_box[0];  // the x axis of the box
-  const glm::dvec3 bottom = thing.centre_m - 0.5 * thing.size_m.z * thing.optical_from_box[2];
+std::string label(const ObjectInView& object, const std::string& type) {
+  const glm::dvec3 heading = object.optical_from_box[0];  // the x axis of the box
+  const glm::dvec3 bottom = object.centre_m - 0.5 * object.size_m.z * object.optical_from_box[2];
   const double rotation = std::atan2(-heading.z, heading.x);
   const double alpha = wrapped(rotation - std::atan2(bottom.x, bottom.z));
   std::array<char, 512> text{};
   std::snprintf(text.data(), text.size(), " %.2f %d %.4f %.2f %.2f %.2f %.2f %.4f %.4f %.4f %.4f %.4f %.4f %.4f\n",
-                thing.truncated, occlusion(thing.visible_fraction), alpha, thing.picture.x_min, thing.picture.y_min,
-                thing.picture.x_max - 1, thing.picture.y_max - 1, thing.size_m.z, thing.size_m.y, thing.size_m.x,
+                object.truncated, occlusion(object.visible_fraction), alpha, object.picture.x_min, object.picture.y_min,
+                object.picture.x_max - 1, object.picture.y_max - 1, object.size_m.z, object.size_m.y, object.size_m.x,
                 bottom.x, bottom.y, bottom.z, rotation);
   return type + text.data();
 }
@@ -44,8 +44,8 @@ std::string label(const SeenThing& thing, const std::string& type) {
 
 std::string kitti_labels(const SeenView& view, const std::map<std::uint32_t, std::string>& classes) {
   std::string lines;
-  for (const SeenThing& thing : view.things) {
-    if (thing.visible_pixels > 0) lines += label(thing, type_of(thing.semantic, classes));
+  for (const ObjectInView& object : view.objects) {
+    if (object.visible_pixels > 0) lines += label(object, type_of(object.semantic, classes));
   }
   return lines;
 }

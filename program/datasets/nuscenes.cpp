@@ -125,24 +125,24 @@ bool has_box(const SceneObject& object, const DrawList& list) {
 }
 
 /// The objects with a class, in the order of the scene.
-Record things_record(const DatasetFrame& frame, const std::map<std::uint32_t, SeenObject>& seen,
-                     bool knows_visibility) {
-  Record things = Record::array();
+Record objects_record(const DatasetFrame& frame, const std::map<std::uint32_t, SeenObject>& seen,
+                      bool knows_visibility) {
+  Record objects = Record::array();
   for (const SceneObject& object : frame.objects) {
     if (!has_box(object, frame.list)) continue;
     const OrientedBox box = oriented_box(object.low_m, object.high_m, frame.list.world_from_node[object.transform]);
     const auto found = seen.find(object.instance);
     const SeenObject own = found == seen.end() ? SeenObject{} : found->second;
     const glm::dquat& q = box.orientation;
-    things.push_back({{"instance", object.instance},
-                      {"class", object.semantic},
-                      {"translation", vector_record(box.centre_m)},
-                      {"size", {box.size_m.y, box.size_m.x, box.size_m.z}},
-                      {"rotation", {q.w, q.x, q.y, q.z}},
-                      {"points", own.points},
-                      {"visibility", own.visibility(knows_visibility)}});
+    objects.push_back({{"instance", object.instance},
+                       {"class", object.semantic},
+                       {"translation", vector_record(box.centre_m)},
+                       {"size", {box.size_m.y, box.size_m.x, box.size_m.z}},
+                       {"rotation", {q.w, q.x, q.y, q.z}},
+                       {"points", own.points},
+                       {"visibility", own.visibility(knows_visibility)}});
   }
-  return things;
+  return objects;
 }
 
 /// Classes of nuScenes: those that nuscenes-devkit 1.2.0 has a color for, in nuscenes/utils/color_map.py.
@@ -213,10 +213,10 @@ class FrameParts {
                                           {"matrix", matrix_record(view.camera.pinhole)},
                                           {"width", view.camera.width_px},
                                           {"height", view.camera.height_px}};
-    for (const SeenThing& thing : view.things) {
-      SeenObject& own = seen_[thing.instance];
-      own.visible_pixels += thing.visible_pixels;
-      own.picture_pixels += thing.picture_pixels;
+    for (const ObjectInView& object : view.objects) {
+      SeenObject& own = seen_[object.instance];
+      own.visible_pixels += object.visible_pixels;
+      own.picture_pixels += object.picture_pixels;
     }
   }
 
@@ -349,20 +349,20 @@ class Tables {
                                {"scene_token", token(TokenOf::scene, 0)},
                                {"prev", at == keys_.begin() ? "" : token(TokenOf::sample, *std::prev(at))},
                                {"next", std::next(at) == keys_.end() ? "" : token(TokenOf::sample, *std::next(at))}});
-    for (const Record& thing : records_[key].at("things")) {
-      const auto id = thing.at("instance").get<std::uint32_t>();
+    for (const Record& object : records_[key].at("things")) {
+      const auto id = object.at("instance").get<std::uint32_t>();
       annotations_[id].push_back(table("sample_annotation").size());
-      classes_[id] = thing.at("class").get<std::uint32_t>();
+      classes_[id] = object.at("class").get<std::uint32_t>();
       table("sample_annotation")
           .push_back({{"token", token(TokenOf::sample_annotation, key, id)},
                       {"sample_token", token(TokenOf::sample, key)},
                       {"instance_token", token(TokenOf::instance, id)},
                       {"attribute_tokens", Record::array()},
-                      {"visibility_token", thing.at("visibility")},
-                      {"translation", thing.at("translation")},
-                      {"size", thing.at("size")},
-                      {"rotation", thing.at("rotation")},
-                      {"num_lidar_pts", thing.at("points")},
+                      {"visibility_token", object.at("visibility")},
+                      {"translation", object.at("translation")},
+                      {"size", object.at("size")},
+                      {"rotation", object.at("rotation")},
+                      {"num_lidar_pts", object.at("points")},
                       {"num_radar_pts", 0}});
     }
   }
@@ -462,7 +462,7 @@ FramePiece NuscenesFormat::frame(const DatasetFrame& frame) const {
     if (is_scanner(sensor)) parts.add(sensor, piece);
     knows_visibility |= is_camera(sensor) && sensor.measurement.find("visible_pixels") != nullptr;
   }
-  piece.record["things"] = is_key ? things_record(frame, parts.seen(), knows_visibility) : Record::array();
+  piece.record["things"] = is_key ? objects_record(frame, parts.seen(), knows_visibility) : Record::array();
   piece.record["classes"] = classes_record(frame.items);
   if (is_key) piece.warnings = warnings_of_colors(frame);
   return piece;

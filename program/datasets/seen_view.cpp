@@ -12,7 +12,7 @@
 namespace simvis {
 namespace {
 
-/// The table of a camera's things, row by row.
+/// The table of a camera's objects, row by row.
 class ThingTable {
  public:
   explicit ThingTable(const Measurement& measurement) : measurement_(measurement) {}
@@ -22,23 +22,24 @@ class ThingTable {
     const MeasuredArray* const views = measurement_.find("view");
     return views == nullptr || views->number(row) == static_cast<double>(view);
   }
-  SeenThing thing(std::size_t row) const {
+  ObjectInView object(std::size_t row) const {
     const auto whole = [&](const char* name) { return static_cast<std::uint64_t>(number(row, name)); };
-    SeenThing thing{.instance = static_cast<std::uint32_t>(whole("object")),
-                    .semantic = static_cast<std::uint32_t>(whole("object_class")),
-                    .visible_pixels = whole("visible_pixels"),
-                    .picture_pixels = whole("picture_pixels"),
-                    .full_pixels = whole("full_pixels"),
-                    .visible_fraction = number(row, "visible_fraction"),
-                    .truncated = number(row, "truncated"),
-                    .visible = box(row, "visible"),
-                    .picture = box(row, "picture"),
-                    .full = box(row, "full"),
-                    .centre_m = {number(row, "box_x_m"), number(row, "box_y_m"), number(row, "box_z_m")},
-                    .size_m = {number(row, "box_size_x_m"), number(row, "box_size_y_m"), number(row, "box_size_z_m")}};
-    thing.optical_from_box = glm::mat3_cast(
+    ObjectInView object{
+        .instance = static_cast<std::uint32_t>(whole("object")),
+        .semantic = static_cast<std::uint32_t>(whole("object_class")),
+        .visible_pixels = whole("visible_pixels"),
+        .picture_pixels = whole("picture_pixels"),
+        .full_pixels = whole("full_pixels"),
+        .visible_fraction = number(row, "visible_fraction"),
+        .truncated = number(row, "truncated"),
+        .visible = box(row, "visible"),
+        .picture = box(row, "picture"),
+        .full = box(row, "full"),
+        .centre_m = {number(row, "box_x_m"), number(row, "box_y_m"), number(row, "box_z_m")},
+        .size_m = {number(row, "box_size_x_m"), number(row, "box_size_y_m"), number(row, "box_size_z_m")}};
+    object.optical_from_box = glm::mat3_cast(
         glm::dquat(number(row, "box_qw"), number(row, "box_qx"), number(row, "box_qy"), number(row, "box_qz")));
-    return thing;
+    return object;
   }
 
  private:
@@ -75,7 +76,7 @@ SeenView view_of(const DatasetSensor& sensor, std::size_t number) {
   }
   const ThingTable table(measurement);
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    if (table.has_view(row, number)) view.things.push_back(table.thing(row));
+    if (table.has_view(row, number)) view.objects.push_back(table.object(row));
   }
   return view;
 }

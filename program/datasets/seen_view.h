@@ -1,5 +1,5 @@
 // A view of a camera in one frame, as formats of datasets need it: its images by their content, its place, and the rows
-// of its table of things.
+// of its table of objects.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct BoxPx {
 };
 
 /// A row of the table `boxes` of docs/truth.md.
-struct SeenThing {
+struct ObjectInView {
   std::uint32_t instance = 0, semantic = 0;
   std::uint64_t visible_pixels = 0, picture_pixels = 0, full_pixels = 0;
   double visible_fraction = 0, truncated = 0;
@@ -39,7 +39,7 @@ struct SeenView {
   glm::dmat4 world_from_optical{1.0};  ///< x right, y down, z forward
   std::optional<Image> color, depth;
   const MeasuredArray *instance = nullptr, *semantic = nullptr, *silhouettes = nullptr;  ///< null: not measured
-  std::vector<SeenThing> things{};  ///< channel i of silhouettes is that of things[i]
+  std::vector<ObjectInView> objects{};  ///< channel i of silhouettes is that of objects[i]
 };
 
 /// All views of the cameras among the sensors, in their order. The views point into the sensors' measurements.

@@ -23,7 +23,7 @@
 // Truth    `instance`, `semantic`, `range`, `normal`, `object_coordinates` and `depth_error_bound` are of the surface
 //          at the pixel's centre: see pixel_truth.h; flow is that of this point: see pixel_flow.h. Where they are cast,
 //          depth is cast with them.
-// Boxes    `boxes` is a table of the things with a class, and `silhouettes` are theirs: see object_table.h.
+// Boxes    `boxes` is a table of the objects with a class, and `silhouettes` are theirs: see object_table.h.
 // Splats   See camera_splats.h. They are looked at in cast(), and colour passes its effects after that.
 // Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once

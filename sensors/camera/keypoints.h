@@ -14,7 +14,7 @@
 // Visible  is a point in the picture, not nearer than `near`, if a ray of the camera meets no surface before it.
 //          Surfaces at most `radius` nearer than the point belong to it and hide nothing.
 // Shutter  With row_time, a point is where it is when the rows are exposed at whose height it then is. Between two
-//          measurements a point goes along a screw, as things do. A point that passes between two rows, so that no row
+//          measurements a point goes along a screw, as objects do. A point that passes between two rows, so that no row
 //          meets it, is not in the picture.
 // Message  sensor_msgs/PointCloud2.
 #pragma once

@@ -5,7 +5,7 @@
 // Boxes    x to the right, y down, in pixels from the picture's corner: a box runs from the left edge of its first
 // column
 //          to the right edge of its last one, so that its width is a number of columns. `visible` are the pixels that
-//          show the thing, `picture` those of its silhouette in the picture, `full` those of the canvas (PixelCanvas).
+//          show the object, `picture` those of its silhouette in the picture, `full` those of the canvas (PixelCanvas).
 // Space    The box of SceneObject: where the object stands at the time of the frame.
 // Planes   An object with a plane without end has no row.
 #pragma once

@@ -91,7 +91,7 @@ CanvasRect PixelCanvas::around(std::span<const glm::dvec3> points) const {
 }
 
 // A cone around the directions of the border contains those inside. Where some pixels of the border see nothing, the
-// others do not enclose the tile, and every thing may be in it.
+// others do not enclose the tile, and every object may be in it.
 void PixelCanvas::add_tile(const CanvasRect& pixels) {
   std::vector<glm::dvec3> border;
   std::size_t blind = 0;

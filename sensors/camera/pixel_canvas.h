@@ -1,5 +1,5 @@
 // The viewing directions of a camera's pixels, and of those that its picture would have if it were larger: a canvas of
-// three times the width and height, with the picture in its middle. Silhouettes of things that the picture cuts are
+// three times the width and height, with the picture in its middle. Silhouettes of objects that the picture cuts are
 // taken from it.
 //
 // Beyond  Pixels outside the picture look where the pinhole, or the lens with its coefficients, makes them look. A lens

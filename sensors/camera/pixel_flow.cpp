@@ -42,7 +42,7 @@ bool is_wanted(const FlowOutput& output, const FlowDesc& desc) {
   return desc.*output.wanted && desc.*output.and_wanted;
 }
 
-// A point passes the poses of two views and of its thing, one product of matrices each: some 32 roundings of sums of
+// A point passes the poses of two views and of its object, one product of matrices each: some 32 roundings of sums of
 // three products, in which no number is larger than all distances together.
 constexpr double kFollowRounding = 64 * 0x1p-53;
 

@@ -4,7 +4,7 @@
 // Backward  from the pixels of this image to the camera's previous one, in which it was due. Nothing but poses is kept
 //           of that image, so it may have been skipped.
 // Forward   from the pixels of the previous image to this one: it is known one measurement later than the image whose
-//           pixels it has, because nothing says earlier where things will be.
+//           pixels it has, because nothing says earlier where objects will be.
 // Pixels    The flow of a pixel is that of the point at its centre: see point_flow.h. Pixels of the sky and of what is
 //           hidden in the other image have flow too.
 // Occlusion A point is seen in the other image if it lies within it, where rows are when they are taken, and the ray of

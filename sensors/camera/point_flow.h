@@ -1,9 +1,9 @@
 // Where the points that an image shows are in another image of the same camera.
 //
-// A point keeps its place on its thing: in the frame of the item's mesh and, if the mesh has another shape in the other
-// image, as that of an animation does, by its weights in its triangle. What is in the other image's scene no more, or
-// not yet, stands still. The sky is infinitely far away. The other image's own rows decide when a point is seen there:
-// it is at the height of rows that are taken when it is there.
+// A point keeps its place on its object: in the frame of the item's mesh and, if the mesh has another shape in the
+// other image, as that of an animation does, by its weights in its triangle. What is in the other image's scene no
+// more, or not yet, stands still. The sky is infinitely far away. The other image's own rows decide when a point is
+// seen there: it is at the height of rows that are taken when it is there.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct ImagePoint {
   glm::dvec4 point{0};           ///< view frame of these rows; of the sky a direction, with 0 at the end
 };
 
-/// The same point of the thing in the other image.
+/// The same point of the object in the other image.
 struct FollowedPoint {
   std::optional<glm::dvec2> pixel;  ///< may lie beyond the edges; empty: nowhere, as behind a pinhole camera
   bool in_rows = false;             ///< whether it is where `rows` are; false: no row meets it, or beyond the edges

@@ -40,9 +40,10 @@ std::vector<OutputSpec> rgbd_camera_outputs(const SensorContext& context) {
 const SensorRegistration kRgbdCameraRegistration(
     {.name = "rgbd_camera",
      .summary = "A depth camera that triangulates between two viewpoints, two imagers or imager and projector; colour.",
-     .notes = "The sensor frame is that of the imager. The second viewpoint stands baseline to its right (-y). A pixel "
-              "has a depth only where the second viewpoint sees the same point: things cast shadows without depth, and "
-              "a band at the left edge has none. Errors are those of the disparity f baseline / Z.",
+     .notes =
+         "The sensor frame is that of the imager. The second viewpoint stands baseline to its right (-y). A pixel "
+         "has a depth only where the second viewpoint sees the same point: objects cast shadows without depth, and "
+         "a band at the left edge has none. Errors are those of the disparity f baseline / Z.",
      .capabilities = kRgbdCameraCapabilities,
      .attributes = rows_of<RgbdCameraDesc>().table(),
      .create = create_sensor<RgbdCamera, RgbdCameraDesc>,

@@ -9,8 +9,8 @@
 //          has a depth only if the second viewpoint sees the same point: nothing stands on the straight line between
 //          them, whichever side of a surface it shows, and the point lies in the image of the second viewpoint. Of two
 //          equal imagers the first therefore has no depth in a band at its left edge, which is f baseline / Z pixels
-//          wide, and beside the left edge of a thing at Z1 before a wall at Z2 in a shadow of
-//          f baseline (1 / Z1 - 1 / Z2) pixels, with the focal length f in pixels. Things nearer than `near` hide
+//          wide, and beside the left edge of an object at Z1 before a wall at Z2 in a shadow of
+//          f baseline (1 / Z1 - 1 / Z2) pixels, with the focal length f in pixels. Objects nearer than `near` hide
 //          nothing from either viewpoint.
 // Errors   What is measured is the disparity d = f baseline / Z, with Gaussian noise of the standard deviation
 //          `disparity_noise` and rounded to multiples of `disparity_step`; depth is f baseline / d again. For small

@@ -117,7 +117,7 @@ AttributeRows<TofCameraDesc> TofCameraDesc::rows() {
       row(&Desc::amplitude_min, "amplitude_min", "", kNotNegative,
           "pixels of less amplitude have no range; 1: that of a white surface that faces the camera at 1 m"),
       row(&Desc::footprint_rays, "footprint_rays", {{1, "1"}, {4, "4"}, {16, "16"}, {64, "64"}},
-          "rays of each pixel, on a regular grid: pixels that see two things measure a mixture"),
+          "rays of each pixel, on a regular grid: pixels that see two objects measure a mixture"),
       row(&Desc::bounce_rays, "bounce_rays", "", AttributeLimits{.min = 0, .max = 65536},
           "rays from each surface that is seen, for light that comes there from another one; 0: none does"),
       flags_row<Desc>("outputs", {{"depth", &Desc::depth}, {"range", &Desc::range}, {"amplitude", &Desc::amplitude}},

@@ -8,7 +8,7 @@
 //          modulation frequency f. The direct path to a surface at range r has l = 2 r and a = R cos(i) / r^2: R is its
 //          reflectance as for laser scanners, i the angle of incidence. The unit of a is therefore that of a white
 //          surface that faces the camera at 1 m. A pixel is the mean over `footprint_rays` rays of its square, so that
-//          one that sees two things measures something between or beside them. A path with one bounce, from the lamp
+//          one that sees two objects measures something between or beside them. A path with one bounce, from the lamp
 //          to Q, to P and to the pixel, is estimated by `bounce_rays` rays from each P, distributed by the cosine of
 //          their angle to the normal:
 //              a = R_P mean(R_Q cos(i_Q) / r_Q^2),   l = r_Q + |Q P| + r_P,

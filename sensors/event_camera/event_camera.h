@@ -5,7 +5,7 @@
 // Frames   The camera looks along +x of its sensor frame; image x points to the right, y down. Pixels are square, and
 //          the optical axis goes through the middle of the image.
 // Optics   The light of a pixel is the mean luminance over its square, see pixel_light.h and surface_light.h, at any
-//          time between the last measurement and this one; the camera and things move in between as screws of constant
+//          time between the last measurement and this one; the camera and objects move in between as screws of constant
 //          speed. It is followed in pixels in which something moves, at times between which no surface moves by more
 //          than `step` pixels, and at more where the light is not linear, see light_curve.h. Other pixels cost nothing.
 //          Whatever changes otherwise (what appears, changes its shape or material; lights) changes at the time of the

@@ -69,7 +69,7 @@ class PixelLight {
   /// Luminance of a pixel at a time. The pixel is in motion, or all were asked for. Several threads may call it at a
   /// time, each with its own `work`, which has begun since set().
   double light(std::uint32_t pixel, double share, PixelWork& work) const;
-  /// Finds the edges of things that move which may come into the pixel's square between two times; returns whether
+  /// Finds the edges of objects that move which may come into the pixel's square between two times; returns whether
   /// there are any. As light() otherwise.
   bool find_edges(std::uint32_t pixel, double begin, double end, PixelWork& work) const;
   /// Appends the times at which one of the edges that find_edges() found last is deepest in the square, if it touches

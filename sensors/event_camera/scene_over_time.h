@@ -1,4 +1,4 @@
-// The scene between two measurements of a camera: where its things stand in the view at any time in between.
+// The scene between two measurements of a camera: where its objects stand in the view at any time in between.
 //
 // Frames   V = view frame of the camera: x right, y down, z forward.
 // Time     a share of the time between the measurements: 0 at the earlier one, 1 at the later one. Items and the camera

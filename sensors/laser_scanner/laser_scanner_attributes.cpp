@@ -122,7 +122,7 @@ const SensorRegistration kLaserScannerRegistration(
          "true_range_m. true_item counts the meshes that are drawn in the scene, true_primitive the triangles of the "
          "mesh. true_instance, true_semantic and true_shape are ids as those of cameras, see docs/truth.md; "
          "true_normal is that of "
-         "the triangle, towards the sensor; true_velocity is that of the matter of the thing, the mean since the "
+         "the triangle, towards the sensor; true_velocity is that of the matter of the object, the mean since the "
          "scanner's measurement before.\nWith a pattern the beams are those of a table, which docs/beam-tables.md "
          "describes; beams need "
          "not start at one point, and each is cast. device:NAME names the table of a real device.\nEffects "

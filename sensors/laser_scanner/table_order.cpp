@@ -33,7 +33,7 @@ TableRays rays_in_order(const ScanBeams& beams, const BeamOrder& order) {
 
 // A packet meets the boxes and triangles whose image overlaps its own. With images of the mean size s there are
 // (width + s) (height + s) / s^2 of them for each layer of the scene. Origins that differ make a packet wider at the
-// distance of the nearest things.
+// distance of the nearest objects.
 double expected_cost(const TableRays& rays) {
   constexpr double kImage = 0.1, kNear_m = 1;  // shear; mean of scenes/marvin
   double cost = 0;

@@ -55,7 +55,7 @@ Recording::~Recording() {
   }
 }
 
-// Small messages say how things are. They are never dropped, and do not wait.
+// Small messages say how objects are. They are never dropped, and do not wait.
 bool Recording::add(ros::MessageJob job) {
   using WhenFull = ros::Recorder::WhenFull;
   const bool is_state = job.kind == ros::MessageJob::Kind::state;

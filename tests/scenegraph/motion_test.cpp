@@ -92,6 +92,20 @@ TEST_CASE("a pose between two poses lies on their screw, and what is fixed to a 
   }
 }
 
+TEST_CASE("shares before the first piece multiply its screws by as many of its lengths") {
+  // The first piece lasts a quarter of the time. One metre along x in it, none in the second.
+  MotionPath path;
+  path.pieces = {{.begin = -1, .end = -0.75, .joints = {{.way_m = {1, 0, 0}}}}, {.begin = -0.75, .end = 0}};
+  for (const double share : {-1.0, -2.0, -3.0}) {
+    CAPTURE(share);
+    const double lengths = (-0.75 - share) / 0.25;
+    CHECK(extrapolation(path, share) == lengths);  // quarters are exact
+    CHECK(displacement(path, share, {0, 0, 0}).way_m == glm::dvec3(-lengths, 0, 0));
+  }
+  CHECK(extrapolation(path, -0.5) == 1);  // what lies between two measurements is no multiple of them
+  CHECK(extrapolation(MotionPath{}, -3) == 1);
+}
+
 TEST_CASE("free fall: the acceleration is exact, the velocity is the mean of the last step") {
   const glm::dvec3 gravity(0, 0, -9.80665);
   PoseHistory history;

@@ -1,5 +1,5 @@
-// The table `boxes` of a camera, drawn on its colour: the box of the visible pixels of a thing in the colour that its
-// id has in the image of ids; of a thing that is hidden, the whole box, dashed.
+// The table `boxes` of a camera, drawn on its colour: the box of the visible pixels of an object in the colour that its
+// id has in the image of ids; of an object that is hidden, the whole box, dashed.
 import { colorOfLabel } from "simvis/color_ramp.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -9,7 +9,7 @@ const SIDES = ["x_min", "y_min", "x_max", "y_max"];
 /** Whether a table, as a frame has it, is one of boxes. */
 export const hasBoxes = ({ columns }) => columns.some(([name]) => name === "visible_x_min");
 
-/** The boxes of one view: id, sides in pixels from the picture's corner, and whether anything of the thing is visible. */
+/** The boxes of one view: id, sides in pixels from the picture's corner, and whether anything of the object is visible. */
 function boxesOf({ columns, rows }, view) {
   const place = new Map(columns.map(([name], column) => [name, column]));
   return rows

@@ -48,7 +48,7 @@ export function labelPixels(values) {
 /** In a column of whole numbers: none. */
 export const NO_WHOLE = 0xffffffff;
 
-/** Whether numbers of a type are names of things rather than amounts. */
+/** Whether numbers of a type are names of objects rather than amounts. */
 export const isWhole = (type) => /^[ui]/.test(type ?? "");
 
 /** Three numbers from 0 to 255. Multiples of the golden section lie far from each other on the circle of hues. */

@@ -1,6 +1,6 @@
 // A panel for each image of each sensor. Colour is the PNG as it came, whole numbers have a colour each, other numbers
 // are shown by a ramp; of several channels the ramp shows the length, and of whole numbers the first that is not 0. The
-// value under the pointer stands beside the name. Boxes of things are drawn on colour.
+// value under the pointer stands beside the name. Boxes of objects are drawn on colour.
 import { boxOverlay, drawBoxes } from "simvis/boxes.js";
 import { isWhole, labelPixels, limitsOf, rampCss, rampPixels, short } from "simvis/color_ramp.js";
 

@@ -432,7 +432,7 @@ function below(part) {
   return names;
 }
 
-/** Whether a thing is a model, a link or another object in the file of a part. */
+/** Whether what is selected is a model, a link or another object in the file of a part. */
 const isObject = (thing) => ["model", "link", "frame"].includes(thing?.kind);
 
 function mark() {

@@ -1,6 +1,6 @@
 // What the ids of objects, shapes and classes stand for, in the images and scans that have them.
 
-/** Whether the numbers of an output name things, so that near ones have nothing in common. */
+/** Whether the numbers of an output name objects, so that near ones have nothing in common. */
 export const isId = (output) => /(^|_)(instance|semantic|shape|object|item|primitive|ring)$/.test(output);
 
 export class Names {

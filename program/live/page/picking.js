@@ -1,4 +1,4 @@
-// What a click means: a link or another object of a part, a part, a sensor, the beam of a scan, the pixel of a camera. Each is a thing that can be selected:
+// What a click means: a link or another object of a part, a part, a sensor, the beam of a scan, the pixel of a camera. Each is an object that can be selected:
 // { kind, name }, with `hit` or `read()` for the facts that the selection panel shows, `place()` for its mark, and `link`
 // for the link of the page if kind and name do not say all.
 import { NO_WHOLE, isWhole, short } from "simvis/color_ramp.js";
@@ -32,7 +32,7 @@ export class Picking {
     Object.assign(this, { view, shapes, scans, names, images, sceneOf, objectsOf, rowsOf });
   }
 
-  /** The thing under a click; null: nothing. `hit` is what view.pick() says. */
+  /** The object under a click; null: nothing. `hit` is what view.pick() says. */
   thingOf(hit, event) {
     const beam = this.beamUnder(hit, event);
     if (beam || !hit) return beam;
@@ -124,7 +124,7 @@ export class Picking {
     return { kind: "pixel", name, link: `pixel:${name}:${x},${y}`, read, place: () => met?.point ?? null };
   }
 
-  /** Returns the thing that a link names, or null. */
+  /** Returns the object that a link names, or null. */
   thingOfLink(text) {
     const [, kind, name, rest] = /^(\w+):(.*?)(?::(\d+(?:,\d+)?))?$/s.exec(text) ?? [],
       numbers = (rest ?? "").split(",").map(Number);

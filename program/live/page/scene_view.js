@@ -307,7 +307,7 @@ export class SceneView {
     this.dirty = true;
   }
 
-  /** How far it is from a point, in a direction, to the first thing beyond `from` metres that the planes do not cut. */
+  /** How far it is from a point, in a direction, to the first object beyond `from` metres that the planes do not cut. */
   freeReach(point, direction, from, planes = []) {
     return this.firstHit(new THREE.Raycaster(point, direction, from), [], planes)?.distance ?? Infinity;
   }

@@ -1,4 +1,4 @@
-// What is known of the thing that is selected.
+// What is known of the object that is selected.
 import { short } from "simvis/color_ramp.js";
 
 const COMMON = ["type", "name", "insert_at"];
@@ -33,7 +33,7 @@ const shapeFacts = (thing) => [
 ];
 
 export class SelectionPanel {
-  /** `physicsOf(kind, name)` gives what physics knows of a thing, as pairs of a name and a text; `objectsOf()` the objects
+  /** `physicsOf(kind, name)` gives what physics knows of an object, as pairs of a name and a text; `objectsOf()` the objects
    * of the scene, and `sizeOf(name)` the lengths of the box around an object's surfaces, in metres, or null. */
   constructor(root, { lookThrough, drag, physicsOf, objectsOf, sizeOf, canSet }) {
     Object.assign(this, { root, lookThrough, drag, physicsOf, objectsOf, sizeOf, canSet });
@@ -55,7 +55,7 @@ export class SelectionPanel {
   show(thing, scene) {
     this.changing = null;
     if (!thing || !scene) {
-      this.root.innerHTML = '<p class="weak">Click on a thing in the view or in the tree.</p>';
+      this.root.innerHTML = '<p class="weak">Click on an object in the view or in the tree.</p>';
       return;
     }
     const title = document.createElement("h3"),
