@@ -140,6 +140,37 @@ fs::path home_of_user() {
   return found == nullptr || found->pw_dir == nullptr ? "" : found->pw_dir;
 }
 
+// Where the folders lie that is_shared_folder() knows by name.
+struct SharedPlaces {
+  std::vector<std::string> variables;  // of the environment, of which the folders depend
+  Folders temporary, homes;
+};
+
+SharedPlaces places_by(std::vector<std::string> variables) {
+  SharedPlaces places{.variables = std::move(variables), .temporary = {}, .homes = {}};
+  // Those of the system count too, because the variables may be missing or name something else.
+  std::error_code error;
+  for (const fs::path& folder : {fs::temp_directory_path(error), fs::path("/tmp"), fs::path("/var/tmp")}) {
+    if (!folder.empty()) places.temporary.push_back(without_links(folder));
+  }
+  for (const fs::path& home : {fs::path(places.variables.front()), home_of_user()}) {
+    if (home.is_absolute()) places.homes.push_back(without_links(home));
+  }
+  return places;
+}
+
+// Found once for each thread and environment: every part and mesh asks for several folders.
+const SharedPlaces& shared_places() {
+  thread_local std::optional<SharedPlaces> places;
+  std::vector<std::string> variables;
+  for (const char* const name : {"HOME", "TMPDIR", "TMP", "TEMP", "TEMPDIR"}) {
+    const char* const value = std::getenv(name);
+    variables.emplace_back(value == nullptr ? "" : value);
+  }
+  if (!places || places->variables != variables) places = places_by(std::move(variables));
+  return *places;
+}
+
 }  // namespace
 
 Folders folders_of_part(const fs::path& part) {
@@ -153,16 +184,9 @@ Folders folders_of_part(const fs::path& part) {
 bool is_shared_folder(const fs::path& folder) {
   const fs::path canonical = without_links(folder);
   if (!canonical.has_relative_path()) return true;
-  // Those of the system count too, because the variables may be missing or name something else.
-  std::error_code error;
-  for (const fs::path& temporary : {fs::temp_directory_path(error), fs::path("/tmp"), fs::path("/var/tmp")}) {
-    if (!temporary.empty() && canonical == without_links(temporary)) return true;
-  }
-  const char* const named = std::getenv("HOME");
-  for (const fs::path& home : {fs::path(named == nullptr ? "" : named), home_of_user()}) {
-    if (home.is_absolute() && lies_in(without_links(home), {canonical})) return true;
-  }
-  return false;
+  const SharedPlaces& shared = shared_places();
+  return std::ranges::find(shared.temporary, canonical) != shared.temporary.end() ||
+         std::ranges::any_of(shared.homes, [&](const fs::path& home) { return lies_in(home, {canonical}); });
 }
 
 bool is_model_folder(const fs::path& folder) {
