@@ -1,14 +1,42 @@
-#include "elements/dynamics/robot_description_element.h"
-
+// The element `robot_description`: sends the URDF of its part, and the frames of all its links.
+//
+//   <element type="robot_description" name="DESCRIPTION" insert_at="ARM"/>
+//
+// Parameters  none. It moves and draws nothing.
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include <simvis/element.h>
 #include <simvis/node.h>
 #include "elements/command_source.h"
+#include "elements/described_robot.h"
 #include "import/model/model_description.h"
 #include "scenegraph/language/attribute_place.h"
 
 namespace simvis {
 namespace {
+
+class RobotDescriptionElement : public Element, public DescribedRobot {
+ public:
+  /// Throws InputError: the insertion point is no part from a URDF file; the topic is no topic of ROS.
+  explicit RobotDescriptionElement(const ElementContext& context);
+  void update(ParameterView /*values*/) override {}
+
+  const std::string& topic() const override { return topic_; }
+  const Location& where() const override { return where_; }
+  const std::string& urdf() const override { return urdf_; }
+  const std::map<std::string, std::filesystem::path>& files() const override { return files_; }
+  const std::vector<std::string>& points() const override { return points_; }
+
+ private:
+  Location where_;
+  std::string topic_, urdf_;
+  std::map<std::string, std::filesystem::path> files_;
+  std::vector<std::string> points_;
+};
 
 constexpr std::string_view kDescriptionTopic = "/robot_description";
 
