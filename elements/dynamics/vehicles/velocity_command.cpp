@@ -19,8 +19,6 @@
 namespace simvis {
 namespace {
 
-class VehicleElement;
-
 class VelocityCommandElement : public Element, public Stateful, public CommandSource {
  public:
   /// Throws InputError: the element is no vehicle, or the topic no topic of ROS.
