@@ -105,8 +105,8 @@ struct EffectFact {
   std::string value;
 };
 
-// What makes the effect active, which outputs show it, which sensors may have it, its knob and what its tests compare
-// it with.
+// What makes the effect active, which outputs show it, which sensors may have it, its accuracy setting and what its
+// tests compare it with.
 std::vector<EffectFact> effect_facts(const EffectType& type) {
   std::string shown, sensors;
   for (const auto& [output, name] :
@@ -119,7 +119,7 @@ std::vector<EffectFact> effect_facts(const EffectType& type) {
   std::vector<EffectFact> facts{{"called for by", std::string(type.source)},
                                 {"shown in", shown},
                                 {"sensors", sensors},
-                                {"accuracy knob", std::string(type.knob)},
+                                {"accuracy setting", std::string(type.knob)},
                                 {"compared with", std::string(type.reference)}};
   std::erase_if(facts, [](const EffectFact& fact) { return fact.value.empty(); });
   return facts;
