@@ -14,7 +14,7 @@ namespace simvis {
 /// command and checks them. Throws InputError at an attribute.
 template <typename Desc>
 Desc read_desc(const SensorContext& context) {
-  Desc desc = rows_of<Desc>().read(context.attributes);
+  Desc desc = rows_of<Desc>().read(context.command, context.attributes);
   if constexpr (requires { desc.seed; }) desc.seed = context.seed;
   if constexpr (requires { desc.complete(context); }) desc.complete(context);
   return desc;

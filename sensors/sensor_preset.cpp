@@ -6,6 +6,21 @@
 #include "scenegraph/language/text_table.h"
 
 namespace simvis {
+namespace {
+
+// Attributes of presets that others replace: a focal length or a lens that has one.
+struct Replaced {
+  std::string_view of_preset, by;
+};
+constexpr Replaced kReplaced[] = {{"hfov", "fx"}, {"hfov", "polynomial"}};
+
+bool is_written(const Command& command, std::string_view of_preset) {
+  return command.find(of_preset) != nullptr || std::ranges::any_of(kReplaced, [&](const Replaced& each) {
+           return each.of_preset == of_preset && command.find(each.by) != nullptr;
+         });
+}
+
+}  // namespace
 
 Command with_preset(Command command, const SensorType& type) {
   const CommandAttribute* const written = command.find(kPresetAttribute.name);
@@ -24,7 +39,7 @@ Command with_preset(Command command, const SensorType& type) {
   }
   std::erase_if(command.attributes, [](const CommandAttribute& each) { return each.name == kPresetAttribute.name; });
   for (const PresetAttribute& each : preset->attributes) {
-    if (command.find(each.name) != nullptr) continue;
+    if (is_written(command, each.name)) continue;
     command.attributes.push_back({std::string(each.name), std::string(each.value), chosen.where});
   }
   return command;

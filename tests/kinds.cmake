@@ -14,7 +14,7 @@ set(soak_tests
     live/recorded_page_test live/server_test messages/readers_test public/side_by_side_test raycast/random_scenes_test
     raycast/ray_caster_test raycast/ray_engines_test scenegraph/random_commands_test scenes/house_test
     scenes/marvin_scene_test scenes/ravon_scene_test sensors/auto_scan_test sensors/depth_error_bound_test
-    sensors/hybrid_scan_test sensors/noisy_readings_test sensors/same_bytes_test sensors/scan_accuracy_test
+    sensors/hybrid_scan_test sensors/lens_sensors_test sensors/noisy_readings_test sensors/same_bytes_test sensors/scan_accuracy_test
     sensors/scanner_presets_test
     sensors/stereo_matching_test
     simvis/clock_test simvis/price_test simvis/replay_test simvis/second_run_test sources/docs_commands_test

@@ -1,29 +1,25 @@
-// Lens models for distorted images: Brown and Conrady, and Kannala and Brandt for fisheye lenses.
+// Lenses: where the pixels of a distorted image look.
 //
-// Both models follow OpenCV (version 4.6, "Camera Calibration and 3D Reconstruction" and its "Fisheye camera model",
-// https://docs.opencv.org/4.6.0/d9/d0c/group__calib3d.html and
-// https://docs.opencv.org/4.6.0/db/d58/group__calib3d__fisheye.html). A point (X, Y, Z) of the view frame (x right, y
-// down, z forward) is projected to the pixel (fx x'' + cx, fy y'' + cy), with
-//   brown_conrady   x' = X / Z, y' = Y / Z, r^2 = x'^2 + y'^2, s = 1 + k1 r^2 + k2 r^4 + k3 r^6
-//                   x'' = x' s + 2 p1 x' y' + p2 (r^2 + 2 x'^2), y'' = y' s + p1 (r^2 + 2 y'^2) + 2 p2 x' y'
-//   kannala_brandt  theta is the angle from the optical axis, phi the angle around it,
-//                   d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8),
-//                   (x'', y'') = d (cos phi, sin phi)
-// Sources: D. C. Brown, "Decentering distortion of lenses", Photogrammetric Engineering 32, 1966; J. Kannala and S. S.
-// Brandt, "A generic camera model and calibration method for conventional, wide-angle, and fish-eye lenses", PAMI 28,
-// 2006.
+// A point (X, Y, Z) of the view frame (x right, y down, z forward) is projected to the pixel (fx x'' + cx, fy y'' +
+// cy). A model of lenses gives (x'', y''), the place, in focal lengths from the principal point. The models are in
+// effects/camera/lenses/, each with its formula and source.
 //
-// Each model is one to one from the optical axis outwards up to a fold, where a larger angle no longer gives a larger
+// Each lens is one to one from the optical axis outwards up to a fold, where a larger angle no longer gives a larger
 // distance from the principal point. Only directions before the fold are used.
+//
+// To add a model, add a file to effects/camera/lenses/ with its LensType, and declare that in lens_types.cpp. The
+// attributes of all sensors with a lens, --describe, calibrations, messages and files follow.
 #pragma once
 
-#include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
+#include <simvis/attributes.h>
 #include <simvis/frame_plan.h>
 
 namespace simvis {
@@ -31,47 +27,74 @@ namespace simvis {
 /// The largest angle from the optical axis that a fisheye shows.
 inline constexpr double kFisheyeLimit_rad = 110 * std::numbers::pi / 180;
 
-enum class LensKind : std::uint8_t { brown_conrady, kannala_brandt };
+/// A lens without focal lengths and principal point.
+///
+/// Frames   V = view frame: x right, y down, z forward.
+/// Units    places are in focal lengths from the principal point.
+class LensModel {
+ public:
+  virtual ~LensModel() = default;
 
-struct LensModel {
-  LensKind kind = LensKind::brown_conrady;
-  Pinhole pinhole;             ///< pixels start at the corner of the first pixel, unlike OpenCV's (its centre)
-  double k[4] = {0, 0, 0, 0};  ///< k[3] is used by kannala_brandt only
-  double p1 = 0, p2 = 0;       ///< used by brown_conrady only
+  /// Whether place() may be called for a direction of V, of any length above 0.
+  virtual bool shows(const glm::dvec3& direction) const = 0;
+
+  /// Where a direction of V is seen.
+  virtual glm::dvec2 place(const glm::dvec3& direction) const = 0;
+
+  /// The direction that is seen at a place, V, unit length. Zero: it is more than kFisheyeLimit_rad off the axis.
+  /// Empty: the place lies beyond the fold.
+  virtual std::optional<glm::dvec3> direction(const glm::dvec2& place) const = 0;
+
+  /// The distance from the principal point to the fold, computed from the radial part alone.
+  virtual double reach() const = 0;
 };
+
+/// A model of lenses for the attribute `distortion`. Its strings and tables live as long as the program.
+struct LensType {
+  std::string_view name;      ///< the word of the attribute
+  std::string_view ros_name;  ///< the distortion model in calibrations, messages and files
+  /// The rows of its coefficients. They have no defaults: a coefficient that is not written is 0. Several models may
+  /// have a row of one name, whose texts then differ and whose kind, unit and limits are equal.
+  AttributeTable coefficients;
+  /// The coefficients in the order of calibrations. Throws InputError at an attribute.
+  std::vector<double> (*read)(const AttributeValues& attributes);
+  /// The model with these coefficients; null: there is none with so many.
+  std::shared_ptr<const LensModel> (*create)(std::span<const double> coefficients);
+  /// The focal length that the coefficients have in them. Null: the lens has any.
+  double (*focal_px)(std::span<const double> coefficients) = nullptr;
+};
+
+/// All models, in the order of the attribute's words.
+std::span<const LensType* const> lens_types();
+
+/// The model of a sensor with the attributes of lenses; null: it has none.
+const LensType* lens_type_of(const AttributeValues& attributes);
+
+/// For LensType::read of a model whose coefficients are those of its rows, in this order.
+std::vector<double> numbers_of(AttributeTable coefficients, const AttributeValues& attributes);
 
 class Lens {
  public:
-  explicit Lens(const LensModel& model);
+  /// `pinhole`: pixels start at the corner of the first pixel, unlike OpenCV's (its centre). `model` is not null.
+  Lens(const Pinhole& pinhole, std::shared_ptr<const LensModel> model);
 
-  /// The pixel position of a direction. The direction must lie before the fold and, for brown_conrady, have z > 0.
+  /// The pixel position of a direction that the lens shows.
   glm::dvec2 pixel(const glm::dvec3& direction) const;
 
   /// Whether pixel() may be called for the direction.
-  bool shows(const glm::dvec3& direction) const;
+  bool shows(const glm::dvec3& direction) const { return model_->shows(direction); }
 
   /// The direction that a pixel shows, a unit vector; pixel() of it gives this pixel to 1e-9 pixels. Zero if the
   /// direction is more than kFisheyeLimit_rad off the axis. Empty if the pixel lies beyond the fold.
   std::optional<glm::dvec3> direction(const glm::dvec2& pixel) const;
 
-  /// The distance from the principal point to the fold, computed without p1 and p2, as a multiple of the focal length.
-  double reach() const;
-
  private:
-  glm::dvec2 distorted(const glm::dvec2& tangents) const;
-  glm::dmat2 jacobian(const glm::dvec2& tangents) const;
-  std::optional<glm::dvec2> undistorted(const glm::dvec2& target) const;
-  std::optional<double> angle(double radius) const;
-  double radius(double angle_rad) const;
-  double slope(double angle_rad) const;
-
-  LensModel model_;
-  double limit_rad_;  // the largest angle of the model
-  double fold_rad_;   // the angle of the fold, at most limit_rad_
+  Pinhole pinhole_;
+  std::shared_ptr<const LensModel> model_;
 };
 
-/// The lens of a calibration: `distortion_model` is its name in ROS, with the coefficients in the order of ROS. Empty:
-/// it is none of LensKind.
+/// The lens of a calibration: `distortion_model` is its name in calibrations, with the coefficients in their order.
+/// Empty: no LensType has this name with so many coefficients.
 std::optional<Lens> lens_of(const Pinhole& pinhole, std::string_view distortion_model,
                             std::span<const double> coefficients);
 

@@ -1,101 +1,130 @@
 #include "effects/camera/lens_distortion.h"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
+#include "engine/base/assert.h"
 #include "engine/base/decimal.h"
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kLensDistortionAttributes[] = {
-    {.name = "distortion",
-     .kind = AttributeKind::choice,
-     .default_value = "none",
-     .text = "model of the lens, as OpenCV defines it; none: the coefficients have no effect",
-     .choices = "none brown_conrady kannala_brandt"},
-    {.name = "k1", .default_value = "0", .text = "radial coefficient of r^2; of theta^2 for kannala_brandt"},
-    {.name = "k2", .default_value = "0", .text = "radial coefficient of r^4; of theta^4"},
-    {.name = "k3", .default_value = "0", .text = "radial coefficient of r^6; of theta^6"},
-    {.name = "k4", .default_value = "0", .text = "radial coefficient of theta^8, kannala_brandt only"},
-    {.name = "p1", .default_value = "0", .text = "tangential coefficient, brown_conrady only"},
-    {.name = "p2", .default_value = "0", .text = "tangential coefficient, brown_conrady only"},
-    {.name = "fx", .unit = "px", .text = "focal length along x; default: from hfov", .min = 0, .open_min = true},
-    {.name = "fy", .unit = "px", .text = "focal length along y; default: fx", .min = 0, .open_min = true},
-    {.name = "cx", .unit = "px", .text = "principal point, from the centre of the first pixel; default: the middle"},
-    {.name = "cy", .unit = "px", .text = "principal point along y; default: the middle"},
-    {.name = "lens_oversampling",
-     .default_value = "1",
-     .text = "pixels rendered per pixel of the image, along x and y, in the middle",
-     .min = 0.25,
-     .max = 16},
-};
+constexpr std::string_view kNone = "none";
 
-// Without distortion these attributes have no meaning.
-void require_distortion(const AttributeValues& attributes) {
-  for (const char* const name : {"fx", "fy", "cx", "cy"}) {
-    if (!attributes.is_set(name)) continue;
-    fail_at(attributes.where(name), "attribute \"" + std::string(name) +
-                                        "\" is not allowed with distortion=\"none\", expected brown_conrady or "
-                                        "kannala_brandt, or hfov alone");
+bool has_coefficient(const LensType& type, std::string_view name) {
+  return std::ranges::any_of(type.coefficients, [&](const AttributeSpec& spec) { return spec.name == name; });
+}
+
+// The rows of all models. One that several models have says what it is in each.
+std::vector<AttributeSpec> coefficient_rows() {
+  struct Meaning {
+    std::string text, models;
+  };
+  std::vector<std::pair<AttributeSpec, std::vector<Meaning>>> rows;
+  for (const LensType* const type : lens_types()) {
+    for (const AttributeSpec& spec : type->coefficients) {
+      auto row = std::ranges::find(rows, spec.name, [](const auto& each) { return each.first.name; });
+      if (row == rows.end()) row = rows.insert(rows.end(), {spec, {}});
+      std::vector<Meaning>& meanings = row->second;
+      const auto same = std::ranges::find(meanings, spec.text, &Meaning::text);
+      if (same == meanings.end()) {
+        meanings.push_back({std::string(spec.text), std::string(type->name)});
+      } else {
+        same->models += ", " + std::string(type->name);
+      }
+    }
   }
+  std::vector<AttributeSpec> specs;
+  for (auto& [spec, meanings] : rows) {
+    std::string text;
+    for (const Meaning& each : meanings) text += (text.empty() ? "" : "; ") + each.models + ": " + each.text;
+    spec.text = keep_text(std::move(text));
+    specs.push_back(spec);
+  }
+  return specs;
+}
+
+AttributeTable lens_distortion_rows() {
+  std::string choices(kNone);
+  for (const LensType* const type : lens_types()) choices += ' ' + std::string(type->name);
+  return join_tables({{{.name = "distortion",
+                        .kind = AttributeKind::choice,
+                        .default_value = kNone,
+                        .text = "model of the lens; none: the coefficients have no effect",
+                        .choices = keep_text(std::move(choices))}},
+                      coefficient_rows(),
+                      {{.name = "lens_oversampling",
+                        .default_value = "1",
+                        .text = "pixels rendered per pixel of the image, along x and y, in the middle",
+                        .min = 0.25,
+                        .max = 16}}});
 }
 
 std::unique_ptr<CameraEffect> create_lens_distortion(const CameraEffectContext& context) {
-  if (context.attributes.choice("distortion") != "none") return std::make_unique<LensDistortion>(context.attributes);
-  require_distortion(context.attributes);
-  return nullptr;
+  const LensType* const type = lens_type_of(context.attributes);
+  return type == nullptr ? nullptr : std::make_unique<LensDistortion>(*type, context.attributes);
 }
 
 const CameraEffectRegistration kLensDistortionRegistration(
-    {.type = {.name = "lens_distortion",
-              .summary = "A lens that bends straight lines, up to a fisheye of 220 degrees.",
-              .notes = "Models and coefficients are OpenCV's, so that cv::undistort reverses the distortion. The scene "
-                       "is rendered as one pinhole view, or on the faces of a cube for fisheyes up to 220 degrees "
-                       "(black beyond), and interpolated in linear light. Depth stays metres along Z (negative behind "
-                       "the camera), is exact on planes, and is never a mean across an edge. A lens that folds within "
-                       "the image is an error. The camera also writes CAMERA.yaml with the intrinsics.",
-              .source = "attribute distortion other than none",
-              .outputs = kShownInColor | kShownInDepth,
-              .knob = "lens_oversampling",
-              .reference = "OpenCV 4.6, Camera Calibration and 3D Reconstruction, and its fisheye model",
-              .needs = kHasLens,
-              .attributes = kLensDistortionAttributes},
+    {.type =
+         {.name = "lens_distortion",
+          .summary = "A lens that bends straight lines, up to a fisheye of 220 degrees.",
+          .notes = "Models and coefficients are those of OpenCV (brown_conrady, rational_polynomial with thin prism "
+                   "and tilt, kannala_brandt), so that cv::undistort reverses the distortion, of Usenko et al. 2018 "
+                   "(double_sphere) and of NVIDIA (ftheta, ftheta_backward; their polynomial has the focal length). "
+                   "A coefficient that is not written is 0. The scene "
+                   "is rendered as one pinhole view, or on the faces of a cube for fisheyes up to 220 degrees "
+                   "(black beyond), and interpolated in linear light. Depth stays metres along Z (negative behind "
+                   "the camera), is exact on planes, and is never a mean across an edge. A lens that folds within "
+                   "the image is an error. The camera also writes CAMERA.yaml with the intrinsics.",
+          .source = "attribute distortion other than none",
+          .outputs = kShownInColor | kShownInDepth,
+          .knob = "lens_oversampling",
+          .reference = "OpenCV 4.6, Camera Calibration and 3D Reconstruction, and its fisheye model; formulas of the "
+                       "publications",
+          .needs = kHasLens,
+          .attributes = lens_distortion_rows()},
      .order = CameraOrder::lens,
      .create = create_lens_distortion});
 
+// Coefficients of other models have no meaning.
+void require_own_coefficients(const LensType& type, const AttributeValues& attributes) {
+  std::string own;
+  for (const AttributeSpec& spec : type.coefficients) own += (own.empty() ? "" : ", ") + std::string(spec.name);
+  for (const LensType* const other : lens_types()) {
+    for (const AttributeSpec& spec : other->coefficients) {
+      if (has_coefficient(type, spec.name) || !attributes.is_set(spec.name)) continue;
+      fail_at(attributes.where(spec.name), "attribute " + in_quotes(spec.name) + " is not allowed with distortion=" +
+                                               in_quotes(type.name) + ", expected " + own);
+    }
+  }
+}
+
 }  // namespace
 
-LensDistortion::LensDistortion(const AttributeValues& a)
-    : oversampling_(a.number("lens_oversampling")),
-      oversampling_at_(a.where("lens_oversampling")),
-      distortion_at_(a.where("distortion")) {
-  model_.kind = a.choice("distortion") == "kannala_brandt" ? LensKind::kannala_brandt : LensKind::brown_conrady;
-  const char* const names[] = {"k1", "k2", "k3", "k4"};
-  for (std::size_t i = 0; i < std::size(names); ++i) model_.k[i] = a.number(names[i]);
-  model_.p1 = a.number("p1");
-  model_.p2 = a.number("p2");
-  const auto given = [&](const char* name) { return a.is_set(name) ? std::optional(a.number(name)) : std::nullopt; };
-  given_ = {given("fx"), given("fy"), given("cx"), given("cy")};
+LensDistortion::LensDistortion(const LensType& type, const AttributeValues& attributes)
+    : type_(type),
+      coefficients_(type.read(attributes)),
+      model_(type.create(coefficients_)),
+      oversampling_(attributes.number("lens_oversampling")),
+      oversampling_at_(attributes.where("lens_oversampling")),
+      distortion_at_(attributes.where("distortion")) {
+  SIMVIS_ASSERT(model_ != nullptr);
+  require_own_coefficients(type, attributes);
 }
 
 void LensDistortion::configure_rays(CameraLayout& layout) const {
-  LensModel model = model_;
   Pinhole& pinhole = layout.pinhole;
-  pinhole.fx_px = given_.fx_px.value_or(pinhole.fx_px);
-  pinhole.fy_px = given_.fy_px.value_or(pinhole.fx_px);
-  if (given_.cx_px) pinhole.cx_px = *given_.cx_px + 0.5;
-  if (given_.cy_px) pinhole.cy_px = *given_.cy_px + 0.5;
-  model.pinhole = pinhole;
-  const bool fisheye = model.kind == LensKind::kannala_brandt;
-  layout.distortion_model = fisheye ? "equidistant" : "plumb_bob";
-  layout.distortion_coefficients = fisheye
-                                       ? std::vector<double>{model.k[0], model.k[1], model.k[2], model.k[3]}
-                                       : std::vector<double>{model.k[0], model.k[1], model.p1, model.p2, model.k[2]};
+  if (type_.focal_px != nullptr) pinhole.fx_px = pinhole.fy_px = type_.focal_px(coefficients_);
+  layout.distortion_model = type_.ros_name;
+  layout.distortion_coefficients = coefficients_;
   layout.oversampling = oversampling_;
   layout.oversampling_at = oversampling_at_;
 
-  const Lens lens(model);
+  const Lens lens(pinhole, model_);
   layout.pixel_of = [lens](const glm::dvec3& direction) {
     return lens.shows(direction) ? std::optional(lens.pixel(direction)) : std::nullopt;
   };
@@ -108,7 +137,7 @@ void LensDistortion::configure_rays(CameraLayout& layout) const {
         fail_at(distortion_at_, "attribute \"distortion\": with these coefficients the lens shows nothing at column " +
                                     std::to_string(x) + " of row " + std::to_string(y) +
                                     ", expected a lens that fills the image: this one folds at " +
-                                    decimal(lens.reach() * pinhole.fx_px, 6) + " px from the principal point");
+                                    decimal(model_->reach() * pinhole.fx_px, 6) + " px from the principal point");
       }
       layout.rays.push_back(*ray);
     }

@@ -3,7 +3,8 @@
 //   <sensor type="camera" ... distortion="kannala_brandt" fx="290" k1="-0.02" lens_oversampling="2"/>
 #pragma once
 
-#include <optional>
+#include <memory>
+#include <vector>
 
 #include <simvis/camera_effect.h>
 #include "effects/camera/lens.h"
@@ -12,17 +13,17 @@ namespace simvis {
 
 class LensDistortion : public CameraEffect {
  public:
-  explicit LensDistortion(const AttributeValues& attributes);
+  /// Throws InputError at a coefficient that is wrong, or that belongs to another model.
+  LensDistortion(const LensType& type, const AttributeValues& attributes);
 
-  /// Sets the rays of all pixels and the intrinsics. Throws InputError with the location if the model has no ray for a
-  /// pixel of the image.
+  /// Sets the rays of all pixels and the distortion of the calibration. Throws InputError with the location if the
+  /// model has no ray for a pixel of the image.
   void configure_rays(CameraLayout& layout) const override;
 
  private:
-  LensModel model_;  // the pinhole parameters that are set are in given_
-  struct {
-    std::optional<double> fx_px, fy_px, cx_px, cy_px;
-  } given_;
+  const LensType& type_;
+  std::vector<double> coefficients_;
+  std::shared_ptr<const LensModel> model_;
   double oversampling_;
   Location oversampling_at_, distortion_at_;
 };

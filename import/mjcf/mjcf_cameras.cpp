@@ -45,9 +45,10 @@ void add_intrinsics(const MjcfElement& camera, const glm::dvec2& size_px, const 
   if (!(focal_px.x > 0 && focal_px.y > 0)) {
     camera.fail("has a sensorsize and no focal lengths above 0, expected focal or focalpixel");
   }
-  command.add("hfov", glm::degrees(2 * std::atan(size_px.x / 2 / focal_px.x)));
-  if (focal_px.x == focal_px.y && principal_px == glm::dvec2(0)) return;
-  command.add("distortion", "brown_conrady");
+  if (focal_px.x == focal_px.y && principal_px == glm::dvec2(0)) {
+    command.add("hfov", glm::degrees(2 * std::atan(size_px.x / 2 / focal_px.x)));
+    return;
+  }
   command.add("fx", focal_px.x);
   command.add("fy", focal_px.y);
   command.add("cx", size_px.x / 2 - principal_px.x - 0.5);

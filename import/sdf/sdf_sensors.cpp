@@ -80,22 +80,20 @@ bool fills_picture(const std::array<double, 3>& k, double corner) {
   return false;
 }
 
-// Returns whether the command has a model of distortion now.
-bool add_distortion(const SdfElement& camera, double width, double height, double hfov, SdfCommand& command,
+void add_distortion(const SdfElement& camera, double width, double height, double hfov, SdfCommand& command,
                     ImportReport& report) {
   const SdfElement distortion = camera.child("distortion");
   std::array<double, 5> values{};
   constexpr const char* kNames[] = {"k1", "k2", "k3", "p1", "p2"};
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = distortion.child(kNames[i]).number(0);
-  if (values == std::array<double, 5>{}) return false;
+  if (values == std::array<double, 5>{}) return;
   const double corner = std::tan(hfov / 2) * std::hypot(1, height / width);
   if (!fills_picture({values[0], values[1], values[2]}, corner)) {
     report.leave_out("a lens distortion that folds within the picture", distortion.at());
-    return false;
+    return;
   }
   command.add("distortion", "brown_conrady");
   for (std::size_t i = 0; i < values.size(); ++i) command.add(kNames[i], values[i]);
-  return true;
 }
 
 // SDF's noise is added to a picture from 0 to 1. A full well of so many electrons has next to no noise of its own: the
@@ -123,20 +121,12 @@ SdfCommand pixel_command(const SdfElement& sensor, const char* type, std::string
   command.add("height", height);
   const double hfov = camera.child("horizontal_fov").number(1.047);
   if (!(hfov > 0 && hfov < std::numbers::pi)) camera.fail("has a <horizontal_fov> that is not between 0 and pi");
-  command.add("hfov", hfov * kSdfDegrees);
   const double near_m = camera.child("clip").child("near").number(0.1);
   if (!(near_m > 0 && near_m <= kMaxRange_m)) camera.fail("has a clip plane <near> that is not above 0");
   command.add("near", near_m);
   command.add("outputs", std::string(outputs));
-  if (is_wide_angle) {
-    if (lens) add_sdf_lens(lens, true, width, height, hfov, command, report);
-  } else {
-    const bool is_distorted = add_distortion(camera, width, height, hfov, command, report);
-    if (lens.child("intrinsics")) {
-      if (!is_distorted) command.add("distortion", "brown_conrady");
-      add_sdf_lens(lens, false, width, height, hfov, command, report);
-    }
-  }
+  if (!is_wide_angle) add_distortion(camera, width, height, hfov, command, report);
+  if (!add_sdf_lens(lens, is_wide_angle, width, height, hfov, command, report)) command.add("hfov", hfov * kSdfDegrees);
   add_rate(sensor, command);
   add_visibility_mask(camera, command);
   const bool has_color = std::string_view(type) == "camera" && outputs.starts_with("color");

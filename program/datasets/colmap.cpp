@@ -1,11 +1,13 @@
-// COLMAP: a sparse model as text, with the true poses, for pinhole cameras.
+// COLMAP: a sparse model as text, with the true poses.
 //
 //   images/CAMERA_000000.png         the views of the cameras with the number of the frame, all in one folder
-//   sparse/0/cameras.txt             "ID PINHOLE width height fx fy cx cy", one for each view
+//   sparse/0/cameras.txt             "ID MODEL width height fx fy cx cy ...", one for each view
 //   sparse/0/images.txt              "ID qw qx qy qz tx ty tz CAMERA_ID NAME", then its points: "x y POINT_ID ..."
 //   sparse/0/points3D.txt            "ID x y z r g b 0 IMAGE_ID INDEX"
 //
 // Poses    lead from the world to the optical frame (x right, y down, z forward).
+// Lenses   PINHOLE, OPENCV (k1 k2 p1 p2), FULL_OPENCV (k1 k2 p1 p2 k3 k4 k5 k6) and OPENCV_FISHEYE (k1 k2 k3 k4) of
+//          https://colmap.github.io/cameras.html.
 // Pixels   count from the picture's corner, as everywhere in COLMAP.
 // Points   the surfaces at the centres of pixels on an even grid, from the exact depth, each in the image that saw it.
 #include <algorithm>
@@ -18,6 +20,7 @@
 #include <vector>
 
 #include <simvis/attributes.h>
+#include <simvis/depth_points.h>
 #include <simvis/error.h>
 #include "engine/base/binary_numbers.h"
 #include "engine/base/srgb.h"
@@ -59,25 +62,52 @@ class ColmapFormat : public DatasetFormat {
   std::string cameras_;             // cameras.txt
 };
 
-constexpr std::string_view kColmap = "colmap", kColmapHolds = "pinhole cameras";
+constexpr std::string_view kColmap = "colmap", kColmapHolds = "cameras";
 constexpr double kPointsPerView = 1000;  // about
 
-std::string numbers_text(std::initializer_list<double> numbers) {
+std::string numbers_text(const std::vector<double>& numbers) {
   std::string text;
   for (const double number : numbers) text += (text.empty() ? "" : " ") + format_number(number);
   return text;
 }
 
-std::string camera_line(const CameraCalibration& camera, std::size_t id) {
+struct ColmapLens {
+  std::string model;
+  std::vector<double> coefficients;
+};
+
+/// COLMAP's name of the lens and its coefficients. Throws InputError for a lens that COLMAP does not have.
+ColmapLens colmap_lens(const CameraCalibration& camera, const std::string& sensor) {
+  std::vector<double> k = camera.distortion_coefficients;
+  if (is_pinhole(camera)) return {"PINHOLE", {}};
+  if (camera.distortion_model == "equidistant" && k.size() == 4) return {"OPENCV_FISHEYE", k};
+  if (camera.distortion_model == "rational_polynomial" && k.size() == 8) return {"FULL_OPENCV", k};
+  if (camera.distortion_model == "plumb_bob" && k.size() == 5) {
+    const bool is_short = k[4] == 0;
+    k.resize(is_short ? 4 : 8);
+    return {is_short ? "OPENCV" : "FULL_OPENCV", k};
+  }
+  throw InputError("--dataset colmap: camera \"" + sensor +
+                   "\" has a lens that the format cannot describe, expected distortion=\"none\", brown_conrady, "
+                   "kannala_brandt, or rational_polynomial without thin prism and tilt");
+}
+
+std::string camera_line(const SeenView& view, std::size_t id) {
+  const CameraCalibration& camera = view.camera;
   const Pinhole& p = camera.pinhole;
-  return std::to_string(id) + " PINHOLE " + std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) +
-         " " + numbers_text({p.fx_px, p.fy_px, p.cx_px, p.cy_px}) + "\n";
+  const ColmapLens lens = colmap_lens(camera, view.name);
+  std::vector<double> numbers{p.fx_px, p.fy_px, p.cx_px, p.cy_px};
+  numbers.insert(numbers.end(), lens.coefficients.begin(), lens.coefficients.end());
+  return std::to_string(id) + " " + lens.model + " " + std::to_string(camera.width_px) + " " +
+         std::to_string(camera.height_px) + " " + numbers_text(numbers) + "\n";
 }
 
 /// Surfaces at the centres of pixels on an even grid, each a ColmapPoint.
 std::string pack_points(const SeenView& view) {
   const Image &color = *view.color, &depth = *view.depth;
   const Pinhole& p = view.camera.pinhole;
+  const std::vector<glm::dvec3> through_lens =
+      is_pinhole(view.camera) ? std::vector<glm::dvec3>{} : optical_points(depth, view.camera);
   const double pixels = static_cast<double>(depth.width) * depth.height;
   const auto step = static_cast<std::uint32_t>(std::ceil(std::sqrt(pixels / kPointsPerView)));
   std::string points;
@@ -85,9 +115,11 @@ std::string pack_points(const SeenView& view) {
     for (std::uint32_t column = step / 2; column < depth.width; column += step) {
       const std::size_t pixel = std::size_t{row} * depth.width + column;
       const double z_m = depth.pixels[pixel], x_px = column + kFirstCentre_px, y_px = row + kFirstCentre_px;
-      if (!std::isfinite(z_m)) continue;
-      const glm::dvec4 seen(z_m * (x_px - p.cx_px) / p.fx_px, z_m * (y_px - p.cy_px) / p.fy_px, z_m, 1);
-      const glm::dvec4 point = view.world_from_optical * seen;
+      if (!std::isfinite(z_m) || z_m <= 0) continue;  // COLMAP sees nothing beside and behind a camera
+      const glm::dvec3 seen = through_lens.empty()
+                                  ? glm::dvec3(z_m * (x_px - p.cx_px) / p.fx_px, z_m * (y_px - p.cy_px) / p.fy_px, z_m)
+                                  : through_lens[pixel];
+      const glm::dvec4 point = view.world_from_optical * glm::dvec4(seen, 1);
       ColmapPoint packed{point.x, point.y, point.z, x_px, y_px, {}};
       srgb_codes(std::span<const float>(&color.pixels[4 * pixel], 4), std::span(packed.rgb).first(3));
       append_binary(points, packed);
@@ -115,13 +147,12 @@ void ColmapFormat::begin(std::span<const DatasetSensor> sensors) {
   for (const DatasetSensor& sensor : sensors) {
     if (!is_camera(sensor)) refuse_sensor(sensor, kColmap, kColmapHolds);
     require_outputs(sensor, kColmap, {kNeedsColor, kNeedsDepth});
-    require_pinhole(sensor, kColmap);
   }
   require_views(sensors, kColmap);
   require_own_names(sensors, kColmap);
   for (const SeenView& view : views_of(sensors)) {
     views_.push_back(view.name);
-    cameras_ += camera_line(view.camera, views_.size());
+    cameras_ += camera_line(view, views_.size());
   }
 }
 

@@ -122,10 +122,14 @@ void require_outputs(const DatasetSensor& camera, std::string_view format,
                    "\" lacks outputs, expected at least outputs=\"" + all + "\"");
 }
 
+bool is_pinhole(const CameraCalibration& camera) {
+  return camera.distortion_model == "plumb_bob" &&
+         std::ranges::all_of(camera.distortion_coefficients, [](double each) { return each == 0; });
+}
+
 void require_pinhole(const DatasetSensor& camera, std::string_view format) {
   for (const Calibration& each : *camera.measurement.calibrations) {
-    const bool is_straight = std::ranges::all_of(each.camera.distortion_coefficients, [](double k) { return k == 0; });
-    if (is_straight && each.camera.distortion_model == "plumb_bob") continue;
+    if (is_pinhole(each.camera)) continue;
     throw InputError("--dataset " + std::string(format) + ": camera \"" + camera.name +
                      "\" has a lens, which the format cannot describe, expected distortion=\"none\"");
   }

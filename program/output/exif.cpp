@@ -41,9 +41,12 @@ void append_rational(std::string& tiff, double value) {
   append_binary(tiff, denominator);
 }
 
-/// A TIFF of two directories: one with the place of the other, which has four entries.
+/// A TIFF of two directories: one with the place of the other, which has four entries. The resolution along y is that
+/// along x if pixels are square.
 std::string exif_of(const CameraCalibration& camera) {
   const double pixels_per_mm = camera.width_px / kNominalWidth_mm;
+  const double height_of_pixel = camera.pinhole.fx_px / camera.pinhole.fy_px;
+  const bool has_square_pixels = height_of_pixel == 1;
   std::string tiff{"II*\0", 4};
   append_binary(tiff, kDirectoryAt);
   append_binary(tiff, std::uint16_t{1});
@@ -52,11 +55,13 @@ std::string exif_of(const CameraCalibration& camera) {
   append_binary(tiff, std::uint16_t{4});
   append_entry(tiff, ExifTag::focal_length, ExifType::rational, kRationalsAt);
   append_entry(tiff, ExifTag::focal_plane_x_resolution, ExifType::rational, kRationalsAt + 8);
-  append_entry(tiff, ExifTag::focal_plane_y_resolution, ExifType::rational, kRationalsAt + 8);
+  append_entry(tiff, ExifTag::focal_plane_y_resolution, ExifType::rational,
+               has_square_pixels ? kRationalsAt + 8 : kRationalsAt + 16);
   append_entry(tiff, ExifTag::focal_plane_resolution_unit, ExifType::short_number, kCentimetre);
   append_binary(tiff, std::uint32_t{0});
   append_rational(tiff, camera.pinhole.fx_px / pixels_per_mm);
   append_rational(tiff, 10 * pixels_per_mm);
+  if (!has_square_pixels) append_rational(tiff, 10 * pixels_per_mm / height_of_pixel);
   return tiff;
 }
 
@@ -81,7 +86,7 @@ std::string jpeg_segment(const std::string& content) {
 }  // namespace
 
 std::string with_focal_length(std::string picture, const CameraCalibration& camera) {
-  if (camera.distortion_model != "plumb_bob") return picture;
+  if (camera.distortion_model != "plumb_bob" && camera.distortion_model != "rational_polynomial") return picture;
   if (picture.starts_with(kPngStart)) picture.insert(kPngHeaderEnd, png_chunk(exif_of(camera)));
   if (picture.starts_with(kJpegStart)) picture.insert(kJpegStartOfImage, jpeg_segment(exif_of(camera)));
   return picture;

@@ -31,7 +31,8 @@ const SensorRegistration kCameraRegistration(
      .summary = "A pinhole camera: colour, depth, and what each pixel shows.",
      .notes =
          "The camera looks along +x of its sensor frame; image x runs to the right, y downwards. Depth is "
-         "measured in metres along the optical axis and is inf where nothing is hit. Pixels are square.\nmsaa "
+         "measured in metres along the optical axis and is inf where nothing is hit. Pixels are square unless fx and "
+         "fy differ.\nmsaa "
          "smooths the edges of shapes only, not masks, highlights or textures. supersampling smooths all of them. "
          "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nmax_error_px "
          "trades accuracy for speed in colour, see docs/accuracy.md; depth, and what other sensors measure, stays "

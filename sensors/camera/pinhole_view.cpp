@@ -6,9 +6,17 @@
 #include <limits>
 #include <utility>
 
+#include "effects/camera/lens.h"
+
 namespace simvis {
 
 namespace {
+
+constexpr double kFirstCentre_px = 0.5;  // from the corner of the first pixel
+
+constexpr std::string_view kUnscaled = "with a lens that has no focal length of its own";
+
+bool has_unscaled_lens(const PinholeDesc& desc) { return !desc.lens_has_focal_length; }
 
 /// All numbers of the image, to be written.
 float* all_of(Image& image, const View& view, std::uint32_t channels) {
@@ -32,9 +40,32 @@ AttributeRows<PinholeDesc> PinholeDesc::rows() {
       kBelowHalfTurn{.min = 0, .max = 180, .open_min = true, .open_max = true};
   return {row(&Desc::width_px, "width", "px", kPixels, "columns of the image"),
           row(&Desc::height_px, "height", "px", kPixels, "rows of the image"),
+          checked<Desc>([](Desc& desc, const AttributeValues& attributes) {
+            const LensType* const lens = lens_type_of(attributes);
+            desc.lens_has_focal_length = lens != nullptr && lens->focal_px != nullptr;
+          }),
           row(&Desc::hfov_rad, "hfov", kDegrees, kBelowHalfTurn,
-              "horizontal field of view, from the left edge of the image to the right"),
+              "horizontal field of view of a pinhole in the middle, from the left edge of the image to the right; not "
+              "with fx")
+              .only("without fx, and with a lens that has no focal length of its own",
+                    [](const Desc& desc) { return !desc.fx_px && has_unscaled_lens(desc); }),
+          row(&Desc::fx_px, "fx", "px", kAboveZero, "focal length along x; default: from hfov")
+              .only(kUnscaled, has_unscaled_lens),
+          row(&Desc::fy_px, "fy", "px", kAboveZero, "focal length along y; default: that along x")
+              .only(kUnscaled, has_unscaled_lens),
+          row(&Desc::column_px, "cx", "px", kAnyNumber,
+              "principal point, from the centre of the first pixel; default: the middle"),
+          row(&Desc::row_px, "cy", "px", kAnyNumber, "principal point along y; default: the middle"),
           row(&Desc::near_m, "near", "m", kAboveZero, "what is nearer along the optical axis is not seen")};
+}
+
+Pinhole pinhole_of(const PinholeDesc& desc) {
+  Pinhole pinhole = centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad);
+  if (desc.fx_px) pinhole.fx_px = *desc.fx_px;
+  pinhole.fy_px = desc.fy_px.value_or(pinhole.fx_px);
+  if (desc.column_px) pinhole.cx_px = *desc.column_px + kFirstCentre_px;
+  if (desc.row_px) pinhole.cy_px = *desc.row_px + kFirstCentre_px;
+  return pinhole;
 }
 
 AttributeRows<ColorSampling> ColorSampling::rows() {
@@ -113,9 +144,7 @@ std::uint8_t shown_outputs(bool color, bool depth) {
 }
 
 CameraLayout camera_layout(const PinholeDesc& desc, std::span<const ChosenCameraEffect> effects) {
-  CameraLayout layout{.width_px = desc.width_px,
-                      .height_px = desc.height_px,
-                      .pinhole = centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)};
+  CameraLayout layout{.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_of(desc)};
   for (const ChosenCameraEffect& each : effects) each.effect->configure_rays(layout);
   return layout;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,8 +23,12 @@ namespace simvis {
 /// The pixels of a camera.
 struct PinholeDesc {
   std::uint32_t width_px = 640, height_px = 480;
-  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
+  double hfov_rad = glm::radians(60.0);    ///< (0, pi); without effect if fx_px is set
+  std::optional<double> fx_px{}, fy_px{};  ///< focal lengths; fx_px empty: from hfov_rad, fy_px: as fx_px
+  std::optional<double> column_px{},
+      row_px{};  ///< principal point, from the centre of the first pixel; empty: the middle
   double near_m = 0.05;
+  bool lens_has_focal_length = false;  ///< a focal length of its own, which the scene does not give otherwise
 
   static AttributeRows<PinholeDesc> rows();
 };
@@ -65,6 +70,9 @@ void read_depth(const Pass& pass, const View& view, const PassResult& result, Im
 
 /// Bits of EffectOutput.
 std::uint8_t shown_outputs(bool color, bool depth);
+
+/// The pinhole of a camera before its effects.
+Pinhole pinhole_of(const PinholeDesc& desc);
 
 /// The layout of a pinhole camera after configure_rays() of its effects. Throws InputError if an effect cannot be
 /// applied.

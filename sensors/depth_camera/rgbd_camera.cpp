@@ -72,7 +72,8 @@ AttributeRows<RgbdCameraDesc> RgbdCameraDesc::rows() {
           row(&Desc::baseline_m, "baseline", "m", kAboveZero,
               "distance from the imager to the second viewpoint, an imager or a projector"),
           row(&Desc::second_hfov_rad, "second_hfov", kDegrees, kBelowHalfTurn,
-              "horizontal field of view of the second viewpoint, with the aspect ratio of the image; default: hfov"),
+              "horizontal field of view of the second viewpoint, with the aspect ratio of the image; default: that of "
+              "the first one"),
           row(&Desc::disparity_noise_px, "disparity_noise", "px", kNotNegative,
               "standard deviation s of the disparity: that of a depth Z is Z^2 s / (f baseline)"),
           row(&Desc::disparity_step_px, "disparity_step", "px", kNotNegative,
@@ -107,8 +108,9 @@ RgbdCamera::RgbdCamera(std::string name, const RgbdCameraDesc& desc)
       world_({}),
       eye_(eye_desc_, optics_, world_),
       rays_(optics_.layout, optics_.views, desc.pinhole.near_m),
-      second_(centred_pinhole(desc.pinhole.width_px, desc.pinhole.height_px,
-                              desc.second_hfov_rad.value_or(desc.pinhole.hfov_rad))),
+      second_(desc.second_hfov_rad
+                  ? centred_pinhole(desc.pinhole.width_px, desc.pinhole.height_px, *desc.second_hfov_rad)
+                  : optics_.layout.pinhole),
       random_(desc.seed, name_ + "/disparity"),
       calibrations_(PixelOptics(name_, optics_.layout, desc.pinhole.near_m).calibrations()) {}
 

@@ -242,10 +242,15 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
           "the format cannot hold the sensor \"SCAN\", expected cameras and their keypoints");
   refused(dataset_scene("color depth instance boxes silhouettes\" distortion=\"brown_conrady\" k1=\"-0.1"),
           {"--dataset", "bop"}, "camera \"CAM\" has a lens, which the format cannot describe");
-  refused(dataset_scene("color depth\" distortion=\"brown_conrady\" k1=\"-0.1"), {"--dataset", "colmap"},
-          "camera \"CAM\" has a lens, which the format cannot describe");
+  for (const char* const lens :
+       {"double_sphere\" alpha=\"0.6", "ftheta\" polynomial=\"0 60", "rational_polynomial\" s1=\"0.01"}) {
+    std::string scene = dataset_scene(std::string("color depth\" distortion=\"") + lens);
+    refused(scene, {"--dataset", "colmap"},
+            "camera \"CAM\" has a lens that the format cannot describe, expected distortion=\"none\", brown_conrady, "
+            "kannala_brandt, or rational_polynomial without thin prism and tilt");
+  }
   refused(dataset_scene("color depth", kDatasetScanner), {"--dataset", "colmap"},
-          "the format cannot hold the sensor \"SCAN\", expected pinhole cameras");
+          "the format cannot hold the sensor \"SCAN\", expected cameras");
   const std::string twins =
       "<sensor type='stereo_camera' name='EYES' insert_at='CAR' width='96' height='72' outputs='color depth instance "
       "boxes silhouettes'/><sensor type='camera' name='EYES_left' insert_at='CAR' width='64' height='48' "

@@ -134,7 +134,13 @@ TEST_CASE("BOP is what a reader written from its document reads, and mistakes ar
 }
 
 TEST_CASE("COLMAP is what pycolmap reads, and quaternions in another order or shifted pixels are found") {
-  check_dataset({"colmap", "colmap.py", "pycolmap", "", {"colmap_quaternion", "colmap_pixels"}});
+  for (const char* const lens : {"", "\" distortion=\"brown_conrady\" k1=\"-0.1\" k2=\"0.02\" p1=\"0.001",
+                                 "\" distortion=\"brown_conrady\" k1=\"-0.1\" k3=\"0.01",
+                                 "\" distortion=\"rational_polynomial\" k1=\"0.5\" k4=\"0.7\" k6=\"0.02\" p2=\"0.002",
+                                 "\" distortion=\"kannala_brandt\" k1=\"0.03"}) {
+    CAPTURE(lens);
+    check_dataset({"colmap", "colmap.py", "pycolmap", "", {"colmap_quaternion", "colmap_pixels"}, lens});
+  }
 }
 
 TEST_CASE("TUM is what evo reads, and quaternions in another order or depth along rays are found") {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
-#include <sstream>
 
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 #include "effects/camera/lens_distortion.h"
 #include "sensors/camera/camera.h"
 #include "tests/support/error_of.h"
+#include "tests/support/made_lens.h"
 #include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
@@ -76,30 +76,29 @@ double true_depth(const glm::dvec3& ray) {
 }
 
 struct Lensed {
-  LensModel model;
+  test::MadeLens lens;
   double oversampling = 1;
   std::uint32_t width_px = 200, height_px = 160;
 };
 
 ChosenCameraEffect lens_effect(const Lensed& l) {
-  std::ostringstream xml;
-  xml.precision(17);
-  const bool fisheye = l.model.kind == LensKind::kannala_brandt;
-  xml << R"(<sensor type="camera" name="C" insert_at="ROOT" distortion=")"
-      << (fisheye ? "kannala_brandt" : "brown_conrady") << "\" fx=\"" << l.model.pinhole.fx_px << "\" fy=\""
-      << l.model.pinhole.fy_px << "\" cx=\"" << l.model.pinhole.cx_px - 0.5 << "\" cy=\"" << l.model.pinhole.cy_px - 0.5
-      << '"';
-  for (int i = 0; i < 4; ++i) xml << " k" << i + 1 << "=\"" << l.model.k[i] << '"';
-  xml << " p1=\"" << l.model.p1 << "\" p2=\"" << l.model.p2 << "\" lens_oversampling=\"" << l.oversampling << "\"/>";
-  const std::vector<Command> commands = parse_commands(xml.str(), "test", ".");
+  const std::string xml = R"(<sensor type="camera" name="C" insert_at="ROOT" )" + test::lens_attributes(l.lens) +
+                          " lens_oversampling=\"" + format_number(l.oversampling) + "\"/>";
+  const std::vector<Command> commands = parse_commands(xml, "test", ".");
   const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type("camera"));
   const AttributeValues values(commands[0], table, kSensorCommonAttributes);
-  return {find_effect_type("lens_distortion"), std::make_shared<LensDistortion>(values)};
+  return {find_effect_type("lens_distortion"), std::make_shared<LensDistortion>(test::lens_type(l.lens), values)};
 }
 
 Camera lens_camera(const Lensed& l) {
+  const Pinhole& p = l.lens.pinhole;
   return {"C",
-          {.pinhole = {.width_px = l.width_px, .height_px = l.height_px},
+          {.pinhole = {.width_px = l.width_px,
+                       .height_px = l.height_px,
+                       .fx_px = p.fx_px,
+                       .fy_px = p.fy_px,
+                       .column_px = p.cx_px - 0.5,
+                       .row_px = p.cy_px - 0.5},
            .color = true,
            .depth = true,
            .effects = {lens_effect(l)}}};
@@ -142,7 +141,7 @@ double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
 constexpr double kOneSurface_m = 1024 * 0x1p-24 * 10;
 
 Errors compare(const Camera& camera, const Lensed& l) {
-  const Lens lens(l.model);
+  const Lens lens = test::made(l.lens);
   Errors e;
   const Image color = color_of(camera), depth = depth_of(camera);
   for (std::uint32_t y = 0; y < l.height_px; ++y) {
@@ -159,7 +158,7 @@ Errors compare(const Camera& camera, const Lensed& l) {
         continue;
       }
       ++e.pixels;
-      const double pitch = 1 / (l.oversampling * std::min(l.model.pinhole.fx_px, l.model.pinhole.fy_px));
+      const double pitch = 1 / (l.oversampling * std::min(l.lens.pinhole.fx_px, l.lens.pinhole.fy_px));
       for (int c = 0; c < 3; ++c) {
         const double off = std::abs(static_cast<double>(pixel[c]) - true_color(ray, c));
         e.color = std::max(e.color, off);
@@ -174,27 +173,30 @@ Errors compare(const Camera& camera, const Lensed& l) {
   return e;
 }
 
-const Lensed kBarrel{{.kind = LensKind::brown_conrady,
-                      .pinhole = {150, 145, 101.25, 78.75},
-                      .k = {-0.28, 0.09, -0.01, 0},
-                      .p1 = 1e-3,
-                      .p2 = -2e-3}};
+const Lensed kBarrel{{"brown_conrady", {150, 145, 101.25, 78.75}, {-0.28, 0.09, 1e-3, -2e-3, -0.01}}};
 // 220 degrees in an image circle of 192 pixels.
-const Lensed kFisheye{{.kind = LensKind::kannala_brandt, .pinhole = {50, 50, 100, 80}, .k = {0, 0, 0, 0}}};
-const Lensed kBentFisheye{
-    {.kind = LensKind::kannala_brandt, .pinhole = {60, 58, 96.2, 83.1}, .k = {-0.02, 0.003, -0.0005, 0}}};
+const Lensed kFisheye{{"kannala_brandt", {50, 50, 100, 80}, {0, 0, 0, 0}}};
+const Lensed kBentFisheye{{"kannala_brandt", {60, 58, 96.2, 83.1}, {-0.02, 0.003, -0.0005, 0}}};
+// All 14 coefficients, and fisheyes of the other models that are black in the corners.
+const Lensed kTilted{{"rational_polynomial",
+                      {150, 145, 101.25, 78.75},
+                      {0.5, 0.1, 1e-3, -2e-3, 0.01, 0.7, 0.15, 0.02, 3e-3, -1e-3, 2e-3, 5e-4, 0.05, -0.03}}};
+const Lensed kDoubleSphere{{"double_sphere", {45, 44, 98, 81.5}, {-0.1, 0.55}}};
+const Lensed kFTheta{{"ftheta", {52, 52, 97, 82}, {0, 52, -1, 0.5}}};
+const Lensed kBackward{{"ftheta_backward", {50, 50, 103.5, 79}, {0, 0.02, -2e-6, 1e-8}}};
 
 }  // namespace
 
 TEST_CASE("every pixel of a distorted image shows what its ray hits, also across borders of views") {
   const test::RendererScene scene = room();
-  for (const Lensed& lens : {kBarrel, kFisheye, kBentFisheye}) {
-    CAPTURE(static_cast<int>(lens.model.kind));
+  for (const Lensed& lens : {kBarrel, kFisheye, kBentFisheye, kTilted, kDoubleSphere, kFTheta, kBackward}) {
+    CAPTURE(lens.lens.model);
+    const bool is_fisheye = lens.lens.pinhole.fx_px < 100;
     Camera camera = lens_camera(lens);
     FramePlan plan;
     take(camera, scene.list, plan);
     CHECK(plan.passes.size() == 1);
-    CHECK(plan.passes[0].views.size() == (lens.model.kind == LensKind::brown_conrady ? 1 : 5));
+    CHECK(plan.passes[0].views.size() == (is_fisheye ? 5 : 1));
     const Errors e = compare(camera, lens);
     CHECK(e.pixels > 20'000);
     CHECK(e.color_excess <= kColorRounding);
@@ -213,12 +215,12 @@ TEST_CASE("twice the oversampling reduces the interpolation error to a quarter")
   double sum[2] = {0, 0};
   for (int i = 0; i < 2; ++i) {
     // The picture has few pixels, so the interpolation error is much larger than rounding.
-    Lensed lens{{.kind = LensKind::kannala_brandt, .pinhole = {12.5, 12.5, 25, 20}}, 0, 50, 40};
+    Lensed lens{{"kannala_brandt", {12.5, 12.5, 25, 20}, {0, 0, 0, 0}}, 0, 50, 40};
     lens.oversampling = i == 0 ? 2 : 4;
     Camera camera = lens_camera(lens);
     FramePlan plan;
     take(camera, scene.list, plan);
-    const Lens model(lens.model);
+    const Lens model = test::made(lens.lens);
     const Image color = color_of(camera);
     for (std::uint32_t y = 0; y < lens.height_px; ++y) {
       for (std::uint32_t x = 0; x < lens.width_px; ++x) {
@@ -238,7 +240,7 @@ TEST_CASE("twice the oversampling reduces the interpolation error to a quarter")
 
 TEST_CASE("a lens without distortion gives the picture of a pinhole camera") {
   const test::RendererScene scene = room();
-  const Lensed straight{{.pinhole = {600, 600, 100, 80}}};  // it sees one wall
+  const Lensed straight{{"brown_conrady", {600, 600, 100, 80}, {0, 0, 0, 0, 0}}};  // it sees one wall
   Camera camera = lens_camera(straight);
   Camera plain("P", {.pinhole = {.width_px = 200, .height_px = 160, .hfov_rad = 2 * std::atan(100.0 / 600)},
                      .color = true,
@@ -267,12 +269,12 @@ TEST_CASE("OpenCV removes the distortion") {
   FramePlan plan;
   take(camera, scene.list, plan);
   const Image& image = color_of(camera);
-  const Pinhole& p = kBarrel.model.pinhole;
-  const double *k = kBarrel.model.k, cx = p.cx_px - 0.5, cy = p.cy_px - 0.5;
+  const Pinhole& p = kBarrel.lens.pinhole;
+  const double cx = p.cx_px - 0.5, cy = p.cy_px - 0.5;
   const cv::Matx33d matrix(p.fx_px, 0, cx, 0, p.fy_px, cy, 0, 0, 1);
   cv::Mat from_x, from_y;
-  cv::initUndistortRectifyMap(matrix, std::vector<double>{k[0], k[1], kBarrel.model.p1, kBarrel.model.p2, k[2]},
-                              cv::noArray(), matrix, {200, 160}, CV_32FC1, from_x, from_y);
+  cv::initUndistortRectifyMap(matrix, kBarrel.lens.coefficients, cv::noArray(), matrix, {200, 160}, CV_32FC1, from_x,
+                              from_y);
   // Errors of the distorted image, which is interpolated again: its own error, and an eighth of its second differences
   // per axis, which grow by the magnification of the lens, here below 1.3. The map is rounded to 2^-17 pixels.
   double worst = 0;
@@ -315,8 +317,54 @@ TEST_CASE("a wrong lens is an error with its place") {
                  "scene.xml:3:59: error: attribute \"distortion\": with these coefficients the lens shows nothing "
                  "at column 0 of row 0, expected a lens that fills the image: this one folds at 224.8"));
   CHECK(contains(error(R"(distortion="kannala_brandt" k1="-0.3")"), "the lens shows nothing at column"));
-  CHECK(contains(error(R"(fx="500")"), "attribute \"fx\" is not allowed with distortion=\"none\""));
-  CHECK(contains(error(R"(distortion="brown" k1="1")"), "none, brown_conrady, kannala_brandt"));
+  CHECK(contains(error(R"(distortion="brown" k1="1")"), "none, brown_conrady, kannala_brandt, rational_polynomial"));
+  struct Case {
+    const char *attributes, *message;
+  };
+  for (const Case& wrong : {
+           Case{R"(distortion="kannala_brandt" p1="0.1")",
+                "scene.xml:3:77: error: attribute \"p1\" is not allowed with distortion=\"kannala_brandt\", expected "
+                "k1, "
+                "k2, k3, k4"},
+           {R"(distortion="brown_conrady" k1="nan")", "scene.xml:3:76: error: attribute \"k1\": \"nan\""},
+           {R"(distortion="rational_polynomial" k4="inf")", "scene.xml:3:82: error: attribute \"k4\": \"inf\""},
+           {R"(distortion="rational_polynomial" k1="-0.3" hfov="90")", "the lens shows nothing at column 0 of row 0"},
+           {R"(distortion="rational_polynomial" tau_x="90")",
+            "\"tau_x\": 90 is not allowed, expected a number greater "
+            "than -90 and below 90 (deg)"},
+           {R"(distortion="rational_polynomial" tau_y="-90")", "\"tau_y\": -90 is not allowed"},
+           {R"(distortion="rational_polynomial" tau_y="80" hfov="100")", "the lens shows nothing at column"},
+           {R"(distortion="double_sphere" alpha="1.01")",
+            "\"alpha\": 1.01 is not allowed, expected a number from 0 to 1"},
+           {R"(distortion="double_sphere" alpha="-0.01")", "\"alpha\": -0.01 is not allowed"},
+           {R"(distortion="double_sphere" xi="-1")", "\"xi\": -1 is not allowed, expected a number greater than -1"},
+           {R"(distortion="double_sphere" xi="1.01")", "\"xi\": 1.01 is not allowed"},
+           {R"(distortion="double_sphere" alpha="1" hfov="90")", "the lens shows nothing at column 0 of row 0"},
+           {R"(distortion="ftheta")", "scene.xml:3:49: error: attribute \"distortion\": f-theta needs a polynomial"},
+           {R"(distortion="ftheta" polynomial="0 400 x")",
+            "scene.xml:3:69: error: attribute \"polynomial\": \"0 400 x\" is "
+            "not allowed, expected two to six finite numbers"},
+           {R"(distortion="ftheta" polynomial="0 400 inf")", "expected two to six finite numbers"},
+           {R"(distortion="ftheta" polynomial="0")", "expected two to six finite numbers"},
+           {R"(distortion="ftheta" polynomial="0 400 0 0 0 0 0")", "expected two to six finite numbers"},
+           {R"(distortion="ftheta" polynomial="1 400")", "of which the first is 0"},
+           {R"(distortion="ftheta_backward" polynomial="0 -1")", "and the second is above 0"},
+           {R"(distortion="ftheta" polynomial="0 400 -200")", "this one folds at 200 px from the principal point"},
+           {R"(distortion="ftheta_backward" polynomial="0 0.005 -2e-5")", "this one folds at 125 px"},
+           {R"(distortion="ftheta" polynomial="0 400" hfov="60")",
+            "attribute \"hfov\" is allowed only without fx, and with a lens that has no focal length of its own"},
+           {R"(distortion="ftheta" polynomial="0 400" fy="400")",
+            "attribute \"fy\" is allowed only with a lens that has no focal length of its own"},
+           {R"(fx="400" hfov="60")", "scene.xml:3:58: error: attribute \"hfov\" is allowed only without fx"},
+           {R"(fx="-400")",
+            "scene.xml:3:49: error: attribute \"fx\": -400 is not allowed, expected a number greater than 0"},
+           {R"(fy="0")", "attribute \"fy\": 0 is not allowed"},
+           {R"(cx="nan")", "attribute \"cx\": \"nan\""},
+       }) {
+    CAPTURE(wrong.attributes);
+    const std::string message = error(wrong.attributes);
+    CHECK_MESSAGE(contains(message, wrong.message), message);
+  }
   CHECK(contains(error(R"(distortion="brown_conrady" width="6000" height="4000" lens_oversampling="16")"),
                  "attribute \"lens_oversampling\": with 16 this lens needs a view of"));
 }
@@ -332,6 +380,12 @@ TEST_CASE("intrinsics and coefficients are written in the form that ROS reads") 
   const std::string fisheye = written(lens_camera(kBentFisheye));
   CHECK(contains(fisheye, "distortion_model: equidistant\n"));
   CHECK(contains(fisheye, "cols: 4\n  data: [-0.02, 0.003, -5.0e-04, 0]"));
+  for (const Lensed& each : {kTilted, kDoubleSphere, kFTheta, kBackward}) {
+    const std::string text = written(lens_camera(each));
+    CAPTURE(text);
+    CHECK(contains(text, "distortion_model: " + std::string(each.lens.model) + "\n"));
+    CHECK(contains(text, "cols: " + std::to_string(each.lens.coefficients.size()) + "\n  data: ["));
+  }
 }
 
 TEST_SUITE_END();

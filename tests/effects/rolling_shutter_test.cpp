@@ -52,8 +52,9 @@ struct Barrel : CameraEffect {
   static constexpr double kOversampling = 2;
 
   static Lens lens() {
-    return Lens(
-        {.pinhole = {kShutterFocal_px, kShutterFocal_px, kWidth_px / 2.0, kHeight_px / 2.0}, .k = {-0.2, 0.03, 0, 0}});
+    constexpr double kCoefficients[] = {-0.2, 0.03, 0, 0, 0};
+    return lens_of({kShutterFocal_px, kShutterFocal_px, kWidth_px / 2.0, kHeight_px / 2.0}, "plumb_bob", kCoefficients)
+        .value();
   }
 
   void configure_rays(CameraLayout& layout) const override {

@@ -133,6 +133,8 @@ TEST_CASE("intrinsics of an SDF camera count from the corner of the picture") {
   CHECK(attribute_of(scene, "fy") == 140);
   CHECK(attribute_of(scene, "cx") == 89.5);
   CHECK(attribute_of(scene, "cy") == 59.5);
+  CHECK(scene.sensor("l/s", "hfov").empty());
+  CHECK(scene.sensor("l/s", "distortion").empty());
 }
 
 TEST_CASE("wide-angle cameras have the projection of their lens") {
@@ -140,16 +142,22 @@ TEST_CASE("wide-angle cameras have the projection of their lens") {
     return camera_with("<lens><type>" + type + "</type></lens>", "wideanglecamera");
   };
   const double quarter = std::numbers::pi / 4;  // half of the field of view
-  for (const auto& [type, radius] : {std::pair("equidistant", quarter),
-                                     {"stereographic", 2 * std::tan(quarter / 2)},
-                                     {"equisolid_angle", 2 * std::sin(quarter / 2)},
-                                     {"orthographic", std::sin(quarter)}}) {
-    CAPTURE(type);
-    SdfScene scene(lens(type));
+  struct Projection {
+    const char *type, *distortion, *alpha;
+    double radius;
+  };
+  for (const Projection& each : {Projection{"equidistant", "kannala_brandt", "", quarter},
+                                 {"stereographic", "double_sphere", "0.5", 2 * std::tan(quarter / 2)},
+                                 {"equisolid_angle", "kannala_brandt", "", 2 * std::sin(quarter / 2)},
+                                 {"orthographic", "double_sphere", "1", std::sin(quarter)}}) {
+    CAPTURE(each.type);
+    SdfScene scene(lens(each.type));
     CHECK(scene.warnings().empty());
-    CHECK(scene.sensor("l/s", "distortion") == "kannala_brandt");
-    // The next term of the series is below 3e-6 at 45 degrees.
-    CHECK(attribute_of(scene, "fx") == doctest::Approx(100 / radius).epsilon(3e-6));
+    CHECK(scene.sensor("l/s", "distortion") == each.distortion);
+    CHECK(scene.sensor("l/s", "alpha") == each.alpha);
+    CHECK(scene.sensor("l/s", "hfov").empty());
+    // The next term of the series of `equisolid_angle` is below 3e-6 at 45 degrees.
+    CHECK(attribute_of(scene, "fx") == doctest::Approx(100 / each.radius).epsilon(3e-6));
   }
   SdfScene pinhole(lens("gnomonical"));
   CHECK(pinhole.sensor("l/s", "distortion").empty());

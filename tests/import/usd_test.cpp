@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -261,13 +262,57 @@ TEST_CASE("offsets of a USD camera's aperture move its principal point") {
   constexpr double kRounding_px = 1e-9;
   CHECK(number("height") == 480);
   CHECK(std::abs(number("fx") - 640) <= kRounding_px);
-  CHECK(std::abs(number("fy") - 640) <= kRounding_px);
+  CHECK(moved.sensors[0].command.find("fy") == nullptr);
+  CHECK(moved.sensors[0].command.find("distortion") == nullptr);
   CHECK(std::abs(number("cx") - (320 - 2 * 32 - 0.5)) <= kRounding_px);
   CHECK(std::abs(number("cy") - (240 + 1 * 32 - 0.5)) <= kRounding_px);
   const BuiltScene wrong = scene("float horizontalApertureOffset = nan\n");
   CHECK(wrong.sensors.empty());
   REQUIRE(wrong.scene.warnings().size() == 1);
   CHECK(contains(wrong.scene.warnings()[0], "has an offset of its aperture that is not finite"));
+}
+
+TEST_CASE("f-theta lenses of Omniverse are taken over, and other lenses are a warning") {
+  const UsdPython python;
+  const TemporaryFolder folder;
+  const auto scene = [&](const std::string& model, const std::string& k0, const std::string& k4) {
+    const auto line = [](const std::string& name, const std::string& value) {
+      return "custom float omni:lensdistortion:ftheta:" + name + " = " + value + "\n";
+    };
+    write_text(folder / "c.usda",
+               "#usda 1.0\n( upAxis = \"Z\" )\ndef Xform \"Robot\" {\n def Camera \"Eye\" {\n"
+               "custom token omni:lensdistortion:model = \"" +
+                   model + "\"\n" + line("nominalWidth", "64") + line("nominalHeight", "48") + line("k0", k0) +
+                   line("k1", "0.03125") + line("k2", "0") + line("k3", "0.0000152587890625") + line("k4", k4) +
+                   "custom float2 omni:lensdistortion:ftheta:opticalCenter = (31, 22.5)\n"
+                   " }\n def Cube \"Body\" {}\n}\n");
+    return usd_scene(folder, "c.usda");
+  };
+  const BuiltScene taken = scene("ftheta", "0", "0");
+  REQUIRE(taken.sensors.size() == 1);
+  CHECK(taken.scene.warnings().empty());
+  const auto text = [&](const char* name) { return taken.sensors[0].command.require(name).value; };
+  CHECK(text("width") == "64");
+  CHECK(text("height") == "48");
+  CHECK(text("distortion") == "ftheta_backward");
+  double polynomial[5];
+  REQUIRE(parse_numbers(text("polynomial"), polynomial));
+  CHECK(std::vector<double>(polynomial, polynomial + 5) == std::vector<double>{0, 0x1p-5, 0, 0x1p-16, 0});
+  CHECK(std::stod(text("cx")) == 31);
+  CHECK(std::stod(text("cy")) == 22.5);
+  CHECK(taken.sensors[0].command.find("hfov") == nullptr);
+  for (const auto& [model, k0, k4] : {std::array{"ftheta", "0.1", "0"},
+                                      {"ftheta", "0", "-0.0001"},
+                                      {"ftheta", "0", "nan"},
+                                      {"kannalaBrandtK3", "0", "0"}}) {
+    CAPTURE(model);
+    CAPTURE(k4);
+    const BuiltScene left_out = scene(model, k0, k4);
+    REQUIRE(left_out.sensors.size() == 1);
+    CHECK(left_out.sensors[0].command.find("distortion") == nullptr);
+    REQUIRE(left_out.scene.warnings().size() == 1);
+    CHECK(contains(left_out.scene.warnings()[0], "has a lens that is not taken over; it is a pinhole"));
+  }
 }
 
 TEST_CASE("rays and pictures of a USD stage are those of the same scene as glTF") {

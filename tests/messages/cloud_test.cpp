@@ -280,7 +280,9 @@ TEST_CASE("both views of a stereo camera have clouds, each in its own optical fr
 TEST_CASE("points through a lens lie on the plate that the camera sees") {
   // Of the lens model's inverse, see effects/camera/lens.h: 1e-9 px; of depth: float32.
   for (const char* const lens :
-       {"distortion='brown_conrady' k1='-0.05' p1='0.01'", "distortion='kannala_brandt' k1='0.05'"}) {
+       {"distortion='brown_conrady' k1='-0.05' p1='0.01'", "distortion='kannala_brandt' k1='0.05'",
+        "distortion='rational_polynomial' k4='0.05' s1='0.01' tau_x='3'", "distortion='double_sphere' alpha='0.6'",
+        "fy='4' cx='1.5' cy='2.25'"}) {
     CAPTURE(lens);
     Simulation simulation = Simulation::from_string(
         "<simvis>" + kPlate + depth_sensor("camera", std::string("outputs='depth range' ") + lens) + "</simvis>");

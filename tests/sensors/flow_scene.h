@@ -39,7 +39,8 @@ inline const std::string kMovingThings = R"(
 
 inline std::string flow_camera(const std::string& outputs, const std::string& more = "", const char* type = "camera") {
   return "<sensor type='" + std::string(type) + "' name='CAM' insert_at='CAR' width='" + std::to_string(kFlowWidth) +
-         "' height='" + std::to_string(kFlowHeight) + "' hfov='70' outputs='" + outputs + "' " + more + "/>";
+         "' height='" + std::to_string(kFlowHeight) +
+         (more.find("fx=") == more.npos ? "' hfov='70' outputs='" : "' outputs='") + outputs + "' " + more + "/>";
 }
 
 inline std::vector<double> flow_numbers(const Measurement& measurement, const std::string& name) {

@@ -3,14 +3,17 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <simvis/depth_points.h>
 #include <simvis/simulation.h>
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_optics.h"
 #include "tests/support/error_of.h"
+#include "tests/support/made_lens.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -22,50 +25,83 @@ constexpr double kPlate_m = 2, kBaseline_m = 0.1;
 // The plate in the view frame at z = 2: x from -0.7 to 1.1 m, y from -0.9 to 0.6 m.
 constexpr double kLeft_m = -0.7, kRight_m = 1.1, kTop_m = -0.9, kBottom_m = 0.6;
 
-/// A lens by its formula: the distorted place of tangents or of an angle, in focal lengths.
+/// A lens by its formula, with the attributes that make it.
 struct FormulaLens {
-  const char* attributes;
-  const char* model;
-  std::vector<double> coefficients;
-  double focal_px;
-  bool fisheye;
+  MadeLens lens;
+  std::string ros_name;
+  bool is_fisheye;
+  bool is_straight = false;  ///< written as focal lengths and principal point alone
+  std::vector<std::optional<glm::dvec3>> rays{};
 
-  glm::dvec2 place(const glm::dvec3& ray) const {
-    if (fisheye) {
-      const double across = std::hypot(ray.x, ray.y), theta = std::atan2(across, ray.z);
-      const double d = theta * (1 + coefficients[0] * theta * theta);
-      return across == 0 ? glm::dvec2(0) : d / across * glm::dvec2(ray);
-    }
-    const double x = ray.x / ray.z, y = ray.y / ray.z, r2 = x * x + y * y;
-    const double s = 1 + coefficients[0] * r2, p1 = coefficients[2];
-    return {x * s + 2 * p1 * x * y, y * s + p1 * (r2 + 2 * y * y)};
+  std::string attributes() const {
+    const Pinhole& p = lens.pinhole;
+    const std::string focal = " fx=\"" + format_number(p.fx_px) + "\" fy=\"" + format_number(p.fy_px) + '"';
+    const std::string centre =
+        " cx=\"" + format_number(p.cx_px - 0.5) + "\" cy=\"" + format_number(p.cy_px - 0.5) + '"';
+    const bool has_focal = lens_type(lens).focal_px != nullptr;
+    return (is_straight ? "" : lens_attributes(lens)) + (has_focal ? "" : focal) + centre + " ";
   }
-  glm::dvec2 pixel(const glm::dvec3& ray) const {
-    return focal_px * place(ray) + glm::dvec2(kLensWidth_px, kLensHeight_px) / 2.0;
+  glm::dvec2 pixel(const glm::dvec3& ray) const { return formula_pixel(lens, ray); }
+  glm::dvec2 place(const glm::dvec3& ray) const {
+    const Pinhole& p = lens.pinhole;
+    return (pixel(ray) - glm::dvec2(p.cx_px, p.cy_px)) / glm::dvec2(p.fx_px, p.fy_px);
   }
   /// The ray of a pixel; none beyond 110 degrees.
-  std::optional<glm::dvec3> ray(std::uint32_t pixel) const {
-    const glm::dvec2 target = (glm::dvec2(pixel % kLensWidth_px + 0.5, pixel / kLensWidth_px + 0.5) -
-                               glm::dvec2(kLensWidth_px, kLensHeight_px) / 2.0) /
-                              focal_px;
-    if (!fisheye) {
+  const std::optional<glm::dvec3>& ray(std::uint32_t pixel) const { return rays[pixel]; }
+
+  std::optional<glm::dvec3> inverse(std::uint32_t pixel) const {
+    const Pinhole& p = lens.pinhole;
+    const glm::dvec2 target((pixel % kLensWidth_px + 0.5 - p.cx_px) / p.fx_px,
+                            (pixel / kLensWidth_px + 0.5 - p.cy_px) / p.fy_px);
+    if (!is_fisheye) {
       glm::dvec2 tangents = target;
       for (int i = 0; i < 200; ++i) tangents += target - place(glm::dvec3(tangents, 1));
       return glm::normalize(glm::dvec3(tangents, 1));
     }
-    double low = 0, high = 3;
+    const double length = glm::length(target);
+    const glm::dvec2 aside = length == 0 ? glm::dvec2(1, 0) : target / length;
+    const auto at = [&](double theta) { return glm::dvec3(std::sin(theta) * aside, std::cos(theta)); };
+    double low = 0, high = glm::radians(110.1);
+    if (glm::length(place(at(high))) < length) return {};
     for (int i = 0; i < 60; ++i) {
       const double theta = (low + high) / 2;
-      (theta * (1 + coefficients[0] * theta * theta) < glm::length(target) ? low : high) = theta;
+      (glm::length(place(at(theta))) < length ? low : high) = theta;
     }
     if (low > glm::radians(110.0)) return {};
-    return glm::dvec3(target / glm::length(target) * std::sin(low), std::cos(low));
+    return at(low);
   }
 };
 
-const FormulaLens kFormulaLenses[] = {
-    {R"(distortion="brown_conrady" fx="40" k1="-0.1" p1="0.01")", "plumb_bob", {-0.1, 0, 0.01, 0, 0}, 40, false},
-    {R"(distortion="kannala_brandt" fx="20" k1="0.03")", "equidistant", {0.03, 0, 0, 0}, 20, true}};
+// Every model. The last one has no distortion: focal lengths and a principal point of its own.
+std::vector<FormulaLens> formula_lenses() {
+  std::vector<FormulaLens> lenses{
+      {{"brown_conrady", {40, 40, 32, 24}, {-0.1, 0, 0.01, 0, 0}}, "plumb_bob", false},
+      {{"kannala_brandt", {20, 20, 32, 24}, {0.03, 0, 0, 0}}, "equidistant", true},
+      {{"rational_polynomial", {40, 36, 30.5, 25}, {0.5, 0.1, 1e-3, -2e-3, 0.01, 0.7, 0.15, 0.02}},
+       "rational_polynomial",
+       false},
+      {{"rational_polynomial", {40, 40, 32, 24}, {0.5, 0.1, 0, 0, 0, 0.7, 0, 0, 0.01, 0, -0.01, 0.002}},
+       "rational_polynomial",
+       false},
+      {{"rational_polynomial", {38, 40, 32, 24}, {-0.05, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.06, -0.04}},
+       "rational_polynomial",
+       false},
+      {{"double_sphere", {18, 20, 33, 24}, {-0.1, 0.6}}, "double_sphere", true},
+      {{"ftheta", {20, 20, 32, 22.5}, {0, 20, -0.5, 0.2}}, "ftheta", true},
+      {{"ftheta_backward", {20, 20, 31, 24}, {0, 0.05, -2e-5, 1e-6}}, "ftheta_backward", true},
+      {{"brown_conrady", {40, 30, 28, 26.25}, {0, 0, 0, 0, 0}}, "plumb_bob", false, true}};
+  for (FormulaLens& lens : lenses) {
+    for (std::uint32_t pixel = 0; pixel < kLensWidth_px * kLensHeight_px; ++pixel) {
+      lens.rays.push_back(lens.inverse(pixel));
+    }
+  }
+  return lenses;
+}
+
+const std::vector<FormulaLens>& all_lenses() {
+  static const std::vector<FormulaLens> lenses = formula_lenses();
+  return lenses;
+}
 
 enum class PlateHit : std::uint8_t { yes, no, near_its_edge };
 
@@ -78,7 +114,7 @@ PlateHit hits_plate(const std::optional<glm::dvec3>& ray, double offset_m = 0) {
   return inside > kMargin_m ? PlateHit::yes : inside < -kMargin_m ? PlateHit::no : PlateHit::near_its_edge;
 }
 
-Simulation lens_scene(const std::string& type, const std::string& attributes) {
+Simulation lens_scene(const std::string& type, const std::string& attributes, const std::string& more = "") {
   // In the sensor frame the plate's front is at x = 2, y from -1.1 to 0.7, z from -0.6 to 0.9.
   return Simulation::from_string(
       R"(<simvis><part name="PLATE" shape="box" size="0.1 1.8 1.5" insert_at="ROOT" pose_offset="2.05 -0.2 0.15 0 0 0"/>
@@ -86,7 +122,7 @@ Simulation lens_scene(const std::string& type, const std::string& attributes) {
       <element type="pose" name="MOVE" insert_at="PLATE"/>
       <element type="temperature" name="HEAT" insert_at="ROOT" part="PLATE" temperature="400" emissivity="1"/>
       <sensor type=")" +
-      type + R"(" name="S" insert_at="ROOT" width="64" height="48" )" + attributes + "/></simvis>");
+      type + R"(" name="S" insert_at="ROOT" width="64" height="48" )" + attributes + "/>" + more + "</simvis>");
 }
 
 std::vector<double> numbers_of(const Measurement& measurement, const std::string& name) {
@@ -123,23 +159,35 @@ void check_plate(const FormulaLens& lens, const std::vector<double>& image, doub
 void check_calibration(const FormulaLens& lens, const Measurement& measurement, const char* view) {
   const CameraCalibration* const calibration = measurement.calibration(view);
   REQUIRE(calibration != nullptr);
-  CHECK(calibration->distortion_model == lens.model);
-  CHECK(calibration->distortion_coefficients == lens.coefficients);
-  CHECK(calibration->pinhole.fx_px == lens.focal_px);
+  CHECK(calibration->distortion_model == lens.ros_name);
+  REQUIRE(calibration->distortion_coefficients.size() == lens.lens.coefficients.size());
+  for (std::size_t i = 0; i < lens.lens.coefficients.size(); ++i) {
+    // Tilts are written in degrees: three roundings.
+    CHECK(calibration->distortion_coefficients[i] == doctest::Approx(lens.lens.coefficients[i]).epsilon(4 * 0x1p-53));
+  }
+  CHECK(calibration->pinhole == lens.lens.pinhole);
 }
 
 TEST_CASE("rays through any point of a pixel project back by the formula of the lens") {
-  for (const FormulaLens& lens : kFormulaLenses) {
-    CAPTURE(lens.model);
+  for (const FormulaLens& lens : all_lenses()) {
+    CAPTURE(lens.attributes());
+    if (lens.is_straight) continue;
     const std::vector<Command> commands = parse_commands(
-        std::string(R"(<sensor type="tof_camera" name="S" insert_at="ROOT" )") + lens.attributes + "/>", "test", ".");
+        R"(<sensor type="tof_camera" name="S" insert_at="ROOT" )" + lens.attributes() + "/>", "test", ".");
     const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type("tof_camera"));
     const AttributeValues values(commands[0], table, kSensorCommonAttributes);
     const std::vector<ChosenCameraEffect> effects =
         camera_effects(kHasLens, {values, 0, "S", shown_outputs(false, true)});
     REQUIRE(effects.size() == 1);
-    const PixelOptics optics(
-        "S", camera_layout({.width_px = kLensWidth_px, .height_px = kLensHeight_px, .hfov_rad = 1}, effects), 0.05);
+    const PixelOptics optics("S",
+                             camera_layout({.width_px = kLensWidth_px,
+                                            .height_px = kLensHeight_px,
+                                            .fx_px = lens.lens.pinhole.fx_px,
+                                            .fy_px = lens.lens.pinhole.fy_px,
+                                            .column_px = lens.lens.pinhole.cx_px - 0.5,
+                                            .row_px = lens.lens.pinhole.cy_px - 0.5},
+                                           effects),
+                             0.05);
     std::size_t checked = 0;
     std::vector<std::uint32_t> pixels;
     for (std::uint32_t pixel = 0; pixel < optics.pixels(); pixel += 7) pixels.push_back(pixel);
@@ -165,17 +213,17 @@ TEST_CASE("rays through any point of a pixel project back by the formula of the 
       // A small way in the square is as long in the image, to first order: lenses bend by at most 1 / focal_px.
       const glm::dvec2 way_px(0.01, -0.02);
       const glm::dvec3 there = glm::inverse(square.square_from_view) * glm::dvec3(way_px / square.focal_px, 1);
-      REQUIRE(glm::distance(lens.pixel(there), centre + way_px) < 0.0005 / lens.focal_px * 10);
+      REQUIRE(glm::distance(lens.pixel(there), centre + way_px) < 0.0005 / lens.lens.pinhole.fx_px * 10);
     }
     CHECK(checked > 4000);
   }
 }
 
 TEST_CASE("a stereo camera sees through its lens, and disparity is that of the rectified pair") {
-  for (const FormulaLens& lens : kFormulaLenses) {
-    CAPTURE(lens.model);
+  for (const FormulaLens& lens : all_lenses()) {
+    CAPTURE(lens.attributes());
     Simulation simulation = lens_scene(
-        "stereo_camera", lens.attributes + std::string(R"( baseline="0.1" outputs="color depth disparity")"));
+        "stereo_camera", lens.attributes() + std::string(R"( baseline="0.1" outputs="color depth disparity")"));
     simulation.step();
     const Measurement measurement = simulation.measurement("S");
     const double infinity = std::numeric_limits<double>::infinity();
@@ -183,7 +231,7 @@ TEST_CASE("a stereo camera sees through its lens, and disparity is that of the r
     check_plate(lens, numbers_of(measurement, "right_depth"), infinity, kBaseline_m,
                 [](const glm::dvec3&) { return kPlate_m; });
     check_plate(lens, numbers_of(measurement, "disparity"), 0, 0,
-                [&](const glm::dvec3&) { return lens.focal_px * kBaseline_m / kPlate_m; });
+                [&](const glm::dvec3&) { return lens.lens.pinhole.fx_px * kBaseline_m / kPlate_m; });
     check_calibration(lens, measurement, "left");
     check_calibration(lens, measurement, "right");
     CHECK(measurement.calibration("right")->baseline_m == kBaseline_m);
@@ -193,20 +241,20 @@ TEST_CASE("a stereo camera sees through its lens, and disparity is that of the r
 TEST_CASE("cast outputs of a stereo camera with a lens agree with its drawn ones") {
   Simulation simulation =
       lens_scene("stereo_camera",
-                 kFormulaLenses[1].attributes + std::string(R"( baseline="0.1" outputs="depth disparity range")"));
+                 all_lenses()[1].attributes() + std::string(R"( baseline="0.1" outputs="depth disparity range")"));
   simulation.step();
   const Measurement measurement = simulation.measurement("S");
-  check_plate(kFormulaLenses[1], numbers_of(measurement, "left_range"), std::numeric_limits<double>::infinity(), 0,
+  check_plate(all_lenses()[1], numbers_of(measurement, "left_range"), std::numeric_limits<double>::infinity(), 0,
               [](const glm::dvec3& ray) { return kPlate_m / ray.z; });
-  check_plate(kFormulaLenses[1], numbers_of(measurement, "disparity"), 0, 0,
-              [&](const glm::dvec3&) { return kFormulaLenses[1].focal_px * kBaseline_m / kPlate_m; });
+  check_plate(all_lenses()[1], numbers_of(measurement, "disparity"), 0, 0,
+              [&](const glm::dvec3&) { return all_lenses()[1].lens.pinhole.fx_px * kBaseline_m / kPlate_m; });
 }
 
 TEST_CASE("an RGB-D camera measures through its lens what the second viewpoint sees through an equal one") {
-  for (const FormulaLens& lens : kFormulaLenses) {
-    CAPTURE(lens.model);
+  for (const FormulaLens& lens : all_lenses()) {
+    CAPTURE(lens.attributes());
     Simulation simulation = lens_scene(
-        "rgbd_camera", lens.attributes + std::string(R"( baseline="0.1" outputs="color depth depth_state")"));
+        "rgbd_camera", lens.attributes() + std::string(R"( baseline="0.1" outputs="color depth depth_state")"));
     simulation.step();
     const Measurement measurement = simulation.measurement("S");
     check_plate(lens, numbers_of(measurement, "depth"), std::numeric_limits<double>::infinity(), 0,
@@ -214,9 +262,9 @@ TEST_CASE("an RGB-D camera measures through its lens what the second viewpoint s
     check_calibration(lens, measurement, "");
   }
   // The plate shifted to the left border: the second viewpoint sees it farther left, in part beyond its image.
-  const FormulaLens& lens = kFormulaLenses[0];
+  const FormulaLens& lens = all_lenses()[0];
   Simulation simulation =
-      lens_scene("rgbd_camera", lens.attributes + std::string(R"( baseline="0.1" outputs="depth depth_state")"));
+      lens_scene("rgbd_camera", lens.attributes() + std::string(R"( baseline="0.1" outputs="depth depth_state")"));
   simulation.set("MOVE", "y", 1.5);
   simulation.step();
   const std::vector<double> states = numbers_of(simulation.measurement("S"), "depth_state");
@@ -233,10 +281,10 @@ TEST_CASE("an RGB-D camera measures through its lens what the second viewpoint s
 }
 
 TEST_CASE("a time-of-flight camera measures ranges along the rays of its lens") {
-  for (const FormulaLens& lens : kFormulaLenses) {
-    CAPTURE(lens.model);
+  for (const FormulaLens& lens : all_lenses()) {
+    CAPTURE(lens.attributes());
     for (const char* const footprint : {"1", "4"}) {
-      Simulation simulation = lens_scene("tof_camera", lens.attributes + std::string(R"( outputs="depth range" )") +
+      Simulation simulation = lens_scene("tof_camera", lens.attributes() + std::string(R"( outputs="depth range" )") +
                                                            "frequency='1e7' footprint_rays='" + footprint + "'");
       simulation.step();
       const Measurement measurement = simulation.measurement("S");
@@ -261,10 +309,10 @@ TEST_CASE("a time-of-flight camera measures ranges along the rays of its lens") 
 }
 
 TEST_CASE("a thermal camera sees warm surfaces through its lens") {
-  for (const FormulaLens& lens : kFormulaLenses) {
-    CAPTURE(lens.model);
+  for (const FormulaLens& lens : all_lenses()) {
+    CAPTURE(lens.attributes());
     Simulation simulation =
-        lens_scene("thermal_camera", lens.attributes + std::string(R"( footprint_rays="4" outputs="temperature")"));
+        lens_scene("thermal_camera", lens.attributes() + std::string(R"( footprint_rays="4" outputs="temperature")"));
     simulation.step();
     const Measurement measurement = simulation.measurement("S");
     const std::vector<double> temperatures_k = numbers_of(measurement, "temperature");
@@ -283,9 +331,9 @@ TEST_CASE("a thermal camera sees warm surfaces through its lens") {
 }
 
 TEST_CASE("an event camera sees through its lens what comes, and what goes again") {
-  for (const FormulaLens& lens : kFormulaLenses) {
-    CAPTURE(lens.model);
-    Simulation simulation = lens_scene("event_camera", lens.attributes);
+  for (const FormulaLens& lens : all_lenses()) {
+    CAPTURE(lens.attributes());
+    Simulation simulation = lens_scene("event_camera", lens.attributes());
     simulation.set("MOVE", "y", 3);  // to the left of where it will be
     simulation.step();
     simulation.set("MOVE", "y", 0);
@@ -326,13 +374,119 @@ TEST_CASE("an event camera sees through its lens what comes, and what goes again
   }
 }
 
+// The plate's front in the frame of the plate, and a class, so that there are boxes.
+const char* const kCorners =
+    R"(<part name="CORNER_1" insert_at="PLATE" pose_offset="-0.05 0.9 0.75 0 0 0"/>
+    <part name="CORNER_2" insert_at="PLATE" pose_offset="-0.05 -0.9 -0.75 0 0 0"/>
+    <element type="label" name="CLASS" insert_at="ROOT" part="PLATE" class="plate" class_id="3"/>)";
+
+void check_flow(const FormulaLens& lens, const Measurement& measurement) {
+  // The plate has moved by 0.1 m along +y, which is -x of the view. Flow is a float of up to some tens of pixels.
+  constexpr double kFlowRounding_px = 1e-4;
+  const MeasuredArray& flow = *measurement.find("flow_backward");
+  std::size_t seen = 0;
+  for (std::uint32_t pixel = 0; pixel < kLensWidth_px * kLensHeight_px; ++pixel) {
+    const std::optional<glm::dvec3> ray = lens.ray(pixel);
+    if (hits_plate(ray) != PlateHit::yes) continue;
+    const glm::dvec2 before = lens.pixel(kPlate_m / ray->z * *ray + glm::dvec3(0.1, 0, 0));
+    const glm::dvec2 centre(pixel % kLensWidth_px + 0.5, pixel / kLensWidth_px + 0.5);
+    REQUIRE(glm::distance(glm::dvec2(flow.number(2 * pixel), flow.number(2 * pixel + 1)), before - centre) <
+            kFlowRounding_px);
+    ++seen;
+  }
+  CHECK(seen > 40);
+}
+
+// Pixels of the plate and their box are those whose rays hit it; no ray passes its edge within rounding.
+void check_boxes(const FormulaLens& lens, const Measurement& measurement) {
+  double count = 0, left = kLensWidth_px, right = 0, top = kLensHeight_px, bottom = 0;
+  for (std::uint32_t pixel = 0; pixel < kLensWidth_px * kLensHeight_px; ++pixel) {
+    const std::optional<glm::dvec3> ray = lens.ray(pixel);
+    if (!ray || ray->z <= 0) continue;
+    const double x = kPlate_m * ray->x / ray->z, y = kPlate_m * ray->y / ray->z;
+    if (!(x > kLeft_m && x < kRight_m && y > kTop_m && y < kBottom_m)) continue;
+    const double column = pixel % kLensWidth_px, row = pixel / kLensWidth_px;
+    ++count;
+    left = std::min(left, column), right = std::max(right, column + 1);
+    top = std::min(top, row), bottom = std::max(bottom, row + 1);
+  }
+  const auto cell = [&](const char* name) { return measurement.find(name)->number(0); };
+  CHECK(cell("visible_pixels") == count);
+  CHECK(cell("visible_x_min") == left);
+  CHECK(cell("visible_x_max") == right);
+  CHECK(cell("visible_y_min") == top);
+  CHECK(cell("visible_y_max") == bottom);
+}
+
+TEST_CASE("every output of a camera is that of the formula of its lens") {
+  for (const FormulaLens& lens : all_lenses()) {
+    CAPTURE(lens.attributes());
+    Simulation simulation =
+        lens_scene("camera", lens.attributes() + R"(outputs="color depth range normal instance flow_backward boxes")",
+                   R"(<sensor type="keypoints" name="K" insert_at="ROOT" width="64" height="48" points="CORNER_?" )" +
+                       lens.attributes() + "/>" + kCorners);
+    simulation.set("MOVE", "y", -0.1);
+    simulation.step();
+    simulation.set("MOVE", "y", 0);
+    simulation.step();
+    const Measurement measurement = simulation.measurement("S");
+    const double infinity = std::numeric_limits<double>::infinity();
+    check_calibration(lens, measurement, "");
+    check_plate(lens, numbers_of(measurement, "depth"), infinity, 0, [](const glm::dvec3&) { return kPlate_m; });
+    check_plate(lens, numbers_of(measurement, "range"), infinity, 0,
+                [](const glm::dvec3& ray) { return kPlate_m / ray.z; });
+    std::vector<double> seen = numbers_of(measurement, "instance");
+    for (double& each : seen) each = each != 0;
+    check_plate(lens, seen, 0, 0, [](const glm::dvec3&) { return 1; });
+    std::uint32_t clear = 0;
+    while (!lens.ray(clear) || hits_plate(lens.ray(clear)) != PlateHit::no) ++clear;
+    const double sky = measurement.find("color")->number(4 * clear);
+    std::vector<double> bright, towards;
+    for (std::uint32_t pixel = 0; pixel < kLensWidth_px * kLensHeight_px; ++pixel) {
+      const double red = measurement.find("color")->number(4 * pixel);
+      bright.push_back(red != sky && red != 0);  // black beyond the lens
+      const double z = measurement.find("normal")->number(3 * pixel + 2);
+      towards.push_back(std::isnan(z) ? 0 : z);
+    }
+    check_plate(lens, bright, 0, 0, [](const glm::dvec3&) { return 1; });
+    check_plate(lens, towards, 0, 0, [](const glm::dvec3&) { return -1; });
+    check_flow(lens, measurement);
+    check_boxes(lens, measurement);
+    const std::optional<std::vector<glm::dvec3>> points = depth_points(measurement);
+    REQUIRE(points);
+    std::vector<double> along;
+    for (const glm::dvec3& each : *points) along.push_back(std::isnan(each.x) ? 0 : each.x);
+    check_plate(lens, along, 0, 0, [](const glm::dvec3&) { return kPlate_m; });
+    const Measurement keys = simulation.measurement("K");
+    const glm::dvec3 corners[] = {{kLeft_m, kTop_m, kPlate_m}, {kRight_m, kBottom_m, kPlate_m}};
+    for (std::size_t i = 0; i < 2; ++i) {
+      // Poses of parts are rounded to double, in metres; a pixel is at most 1/18 of a radian wide.
+      constexpr double kPose_px = 1e-9;
+      const glm::dvec2 place(keys.find("x_px")->number(i), keys.find("y_px")->number(i));
+      CHECK(glm::distance(place, lens.pixel(corners[i])) < kPose_px);
+    }
+  }
+}
+
+TEST_CASE("a focal length, or a lens that has one, replaces the field of view of a preset") {
+  for (const auto& [attributes, focal_px] :
+       {std::pair("fx='40'", 40.0), {"distortion='ftheta' polynomial='0 30 -1'", 30.0}}) {
+    CAPTURE(attributes);
+    Simulation simulation = lens_scene("rgbd_camera", std::string("preset='zed_2i' ") + attributes);
+    simulation.step();
+    CHECK(simulation.measurement("S").calibration("")->pinhole.fx_px == focal_px);
+  }
+  CHECK(contains(error_of([] { lens_scene("rgbd_camera", "preset='zed_2i' fx='40' hfov='60'"); }),
+                 "\"hfov\" is allowed only without fx"));
+}
+
 TEST_CASE("sensors without a lens or a shutter refuse the attributes of one") {
   const auto error = [](const std::string& type, const std::string& attributes) {
     return error_of([&] { lens_scene(type, attributes); });
   };
   for (const char* const type : {"rgbd_camera", "tof_camera", "thermal_camera", "event_camera"}) {
     CHECK(contains(error(type, R"(row_time="1e-5")"), "unknown attribute \"row_time\""));
-    CHECK(contains(error(type, R"(fx="100")"), "\"fx\" is not allowed with distortion=\"none\""));
+    CHECK(contains(error(type, R"(fx="100" hfov="60")"), "\"hfov\" is allowed only without fx"));
     CHECK(contains(error(type, R"(distortion="brown_conrady" k1="-2")"), "the lens shows nothing at column"));
   }
   CHECK(contains(error("stereo_camera", R"(distortion="kannala_brandt" fx="20" aperture="0.01" outputs="color")"),

@@ -59,8 +59,8 @@ std::vector<double> box_of(const ObjectRow& row, const std::string& name) {
 // Width 64 and 90 degrees: the focal length is 32 px. The camera is at the origin and looks along +x.
 std::string straight_camera(const std::string& more = "", const char* type = "camera",
                             const char* outputs = "instance range boxes silhouettes") {
-  return "<sensor type='" + std::string(type) +
-         "' name='CAM' insert_at='ROOT' width='64' height='48' hfov='90' outputs='" + outputs + "' " + more + "/>";
+  return "<sensor type='" + std::string(type) + "' name='CAM' insert_at='ROOT' width='64' height='48' " +
+         (more.find("fx=") == more.npos ? "hfov='90' outputs='" : "outputs='") + outputs + "' " + more + "/>";
 }
 
 std::string thing(const std::string& name, const std::string& shape, const std::string& offset) {

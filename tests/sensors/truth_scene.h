@@ -34,7 +34,8 @@ inline const std::string kDrawnTruth = "instance semantic range object_coordinat
 
 inline std::string truth_camera(const std::string& outputs, const std::string& more = "", const char* type = "camera") {
   return "<sensor type='" + std::string(type) + "' name='CAM' insert_at='CAR' width='" + std::to_string(kTruthWidth) +
-         "' height='" + std::to_string(kTruthHeight) + "' hfov='70' outputs='" + outputs + "' " + more + "/>";
+         "' height='" + std::to_string(kTruthHeight) +
+         (more.find("fx=") == more.npos ? "' hfov='70' outputs='" : "' outputs='") + outputs + "' " + more + "/>";
 }
 
 inline Simulation truth_simulation(const std::string& commands) {

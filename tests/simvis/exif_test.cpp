@@ -90,7 +90,8 @@ std::map<std::uint16_t, std::uint32_t> directory_at(const std::string& tiff, std
 
 /// What readers compute.
 struct ReadExif {
-  Rational focal_length_mm, pixels_per_cm;
+  Rational focal_length_mm, pixels_per_cm, rows_per_cm;
+  double fy_px() const { return focal_length_mm.value() * rows_per_cm.value() / kMillimetresPerCentimetre; }
   double fx_px() const { return focal_length_mm.value() * pixels_per_cm.value() / kMillimetresPerCentimetre; }
 };
 
@@ -100,8 +101,7 @@ ReadExif exif_in(const std::string& tiff) {
   const auto exif = directory_at(tiff, first.at(kExifDirectory));
   const auto rational = [&](std::uint16_t tag) { return binary_at<Rational>(tiff, exif.at(tag)); };
   CHECK(exif.at(kResolutionUnit) == kCentimetre);
-  CHECK(rational(kYResolution).value() == rational(kXResolution).value());
-  return {rational(kFocalLength), rational(kXResolution)};
+  return {rational(kFocalLength), rational(kXResolution), rational(kYResolution)};
 }
 
 void check_focal_length(const ReadExif& read, const CameraCalibration& camera) {
@@ -109,6 +109,8 @@ void check_focal_length(const ReadExif& read, const CameraCalibration& camera) {
   CHECK(std::abs(width_px / camera.width_px - 1) <= read.pixels_per_cm.tolerance_rel());
   CHECK(std::abs(read.fx_px() / camera.pinhole.fx_px - 1) <=
         read.focal_length_mm.tolerance_rel() + read.pixels_per_cm.tolerance_rel());
+  CHECK(std::abs(read.fy_px() / camera.pinhole.fy_px - 1) <=
+        read.focal_length_mm.tolerance_rel() + read.rows_per_cm.tolerance_rel());
 }
 
 }  // namespace
@@ -118,9 +120,10 @@ TEST_CASE("EXIF of PNG and JPEG: readers get the focal length of every camera, a
     for (const std::uint32_t width_px : {1u, 64u, 640u, 16384u}) {
       CAPTURE(fx_px);
       CAPTURE(width_px);
-      const CameraCalibration camera = camera_with(fx_px, width_px);
       for (const bool is_png : {true, false}) {
         CAPTURE(is_png);
+        CameraCalibration camera = camera_with(fx_px, width_px, is_png ? "plumb_bob" : "rational_polynomial");
+        if (width_px == 640) camera.pinhole.fy_px = (is_png ? 0.75 : 1.3) * fx_px;
         const std::string before = is_png ? small_png() : small_jpeg(), after = with_focal_length(before, camera);
         const ExifPart part = is_png ? png_part(after) : jpeg_part(after);
         check_focal_length(exif_in(part.tiff), camera);

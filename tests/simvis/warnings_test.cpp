@@ -140,19 +140,19 @@ TEST_CASE("a camera that shows points or splats alone sees something") {
              "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n2 0 0\n");
   write_text(folder / "splats.ply", test::splat_file({{.center_m = {2, 0, 0}}}));
   const auto warnings_with = [&](const std::string& file, const std::string& sensor, int yaw) {
-    Simulation simulation = Simulation::from_string("<simvis><part name='P' insert_at='ROOT' file='" + file +
-                                                        "'/><sensor name='S' insert_at='ROOT' " +
-                                                        "pose_offset='0 0 0 0 0 " + std::to_string(yaw) +
-                                                        "' width='41' height='41' hfov='30' " + sensor + "/></simvis>",
-                                                    {}, folder.path(), "s.xml");
+    Simulation simulation = Simulation::from_string(
+        "<simvis><part name='P' insert_at='ROOT' file='" + file + "'/><sensor name='S' insert_at='ROOT' " +
+            "pose_offset='0 0 0 0 0 " + std::to_string(yaw) + "' width='41' height='41' " + sensor + "/></simvis>",
+        {}, folder.path(), "s.xml");
     simulation.step();
     return simulation.warnings();
   };
   // The depth of a splat is that of its half, so that a thin one shows in colour alone.
   write_text(folder / "thin.ply", test::splat_file({{.center_m = {2, 0, 0}, .opacity = 0.2}}));
   for (const char* const file : {"points.pcd", "splats.ply", "thin.ply"}) {
-    for (const char* const sensor : {"type='camera'", "type='camera' outputs='color depth'", "type='stereo_camera'",
-                                     "type='camera' distortion='kannala_brandt' fx='40'"}) {
+    for (const char* const sensor :
+         {"type='camera' hfov='30'", "type='camera' hfov='30' outputs='color depth'", "type='stereo_camera' hfov='30'",
+          "type='camera' distortion='kannala_brandt' fx='40'"}) {
       CAPTURE(file);
       CAPTURE(sensor);
       CHECK(warnings_with(file, sensor, 0).empty());

@@ -129,7 +129,9 @@ TEST_CASE("a camera sees a splat in front of a wall: colour, depth, range and la
   SUBCASE("with samples, whose depth is drawn apart") { check_round_splat("supersampling='4'"); }
   SUBCASE("in rows of several times") { check_round_splat("row_time='1e-4' rows_per_pose='8'"); }
   SUBCASE("through a lens, whose pixels are cast") { check_round_splat("distortion='brown_conrady' k1='-0.2'"); }
-  SUBCASE("through a fisheye") { check_round_splat("hfov='160' distortion='kannala_brandt' fx='20'"); }
+  SUBCASE("through a double sphere") { check_round_splat("distortion='double_sphere' xi='-0.1' alpha='0.6'"); }
+  SUBCASE("off the optical axis") { check_round_splat("fx='60' fy='50' cx='20' cy='18'"); }
+  SUBCASE("through a fisheye") { check_round_splat("distortion='kannala_brandt' fx='20'"); }
 }
 
 TEST_CASE("truth that is cast sees the same splats as truth that is drawn") {

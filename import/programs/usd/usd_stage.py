@@ -7,6 +7,7 @@ import numpy
 from pxr import Ar, Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
 from usd_absent import Absent
+from usd_cameras import add_camera
 from usd_gltf import Gltf
 from usd_labels import class_of, label_commands
 from usd_lights import add_light
@@ -179,34 +180,9 @@ class Stage:
             self.add_shape(prim, node)
             self.physics.note_collision(prim, self.meshes.get(self.source_of(prim).GetPath()))
         elif prim.IsA(UsdGeom.Camera):
-            self.add_camera(UsdGeom.Camera(prim), node)
+            add_camera(self, UsdGeom.Camera(prim), node)
         elif prim.HasAPI(UsdLux.LightAPI):
             add_light(self, prim, node)
-
-    def add_camera(self, camera, node):
-        turn = numpy.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1.0]])
-        name = camera.GetPrim().GetName()
-        point = self.add_point(self.add_node(node, name, turn), name)
-        wide, high = camera.GetHorizontalApertureAttr().Get(self.time), camera.GetVerticalApertureAttr().Get(self.time)
-        length = camera.GetFocalLengthAttr().Get(self.time)
-        if camera.GetProjectionAttr().Get(self.time) != UsdGeom.Tokens.perspective or not min(wide, high, length) > 0:
-            return self.warn("camera", name, "has no perspective; it is left out")
-        hfov = math.degrees(2 * math.atan(wide / (2 * length)))
-        near = camera.GetClippingRangeAttr().Get(self.time)[0] * self.metres
-        rows = max(1, round(640 * high / wide))
-        across = camera.GetHorizontalApertureOffsetAttr().Get(self.time) or 0
-        up = camera.GetVerticalApertureOffsetAttr().Get(self.time) or 0
-        if not math.isfinite(across + up):
-            return self.warn("camera", name, "has an offset of its aperture that is not finite; it is left out")
-        lens = ""
-        if across or up:  # the aperture is moved, and the optical axis in the picture the other way
-            focal = 640 * length / wide
-            lens = (f' distortion="brown_conrady" fx="{focal!r}" fy="{focal!r}" cx="{640 * (0.5 - across / wide) - 0.5!r}" '
-                    f'cy="{rows / 2 + focal * up / length - 0.5!r}"')
-        self.commands.append(
-            f'<sensor type="camera" name="{point}" insert_at="{point}" width="640" height="{rows}" '
-            f'hfov="{hfov!r}" near="{max(near, 1e-6)!r}"{lens}/>'
-        )
 
     def add_instances(self, instancer, node):
         matrices = instancer.ComputeInstanceTransformsAtTime(self.time, self.time)

@@ -13,20 +13,31 @@ const number = (sensor, name, otherwise) => Number(sensor.attributes[name] ?? ot
 
 export const isScanner = (sensor) => sensor.attributes.min_angle !== undefined;
 export const isCamera = (sensor) => sensor.attributes.hfov !== undefined;
-/** Of a camera: the horizontal field of view, and width by height. */
-export const lensOf = (sensor) => ({
-  hfov_deg: number(sensor, "hfov", 90),
-  aspect: number(sensor, "width", 4) / number(sensor, "height", 3),
-});
+/** Of a camera: its pinhole in pixels, from the corner of the first one, and its horizontal field of view. */
+export function lensOf(sensor) {
+  const width = number(sensor, "width", 4),
+    height = number(sensor, "height", 3),
+    of_hfov = width / 2 / Math.tan((number(sensor, "hfov", 90) * Math.PI) / 360),
+    fx = number(sensor, "fx", of_hfov);
+  return {
+    width,
+    height,
+    fx,
+    fy: number(sensor, "fy", fx),
+    cx: number(sensor, "cx", (width - 1) / 2) + 0.5,
+    cy: number(sensor, "cy", (height - 1) / 2) + 0.5,
+    hfov_deg: (Math.atan(width / 2 / fx) * 360) / Math.PI,
+    aspect: width / height,
+  };
+}
 
 /** The ray of three.js through the middle of a pixel of a camera without lens distortion, as it stands now. */
 export function rayOfPixel(sensor, rows, [width, height], x, y) {
-  const { hfov_deg, aspect } = lensOf(sensor),
-    across = Math.tan((hfov_deg * Math.PI) / 360);
+  const lens = lensOf(sensor);
   const along = new THREE.Vector3(
     1,
-    across * (1 - (2 * (x + 0.5)) / width),
-    (across / aspect) * (1 - (2 * (y + 0.5)) / height),
+    (lens.cx - ((x + 0.5) * lens.width) / width) / lens.fx,
+    (lens.cy - ((y + 0.5) * lens.height) / height) / lens.fy,
   );
   const world = toRigid(rows),
     start = new THREE.Vector3().setFromMatrixPosition(world);

@@ -15,10 +15,18 @@ expected = run.optical_poses()
 require(len(model.images) == len(expected) > 0, "number of images")
 
 (camera,) = model.cameras.values()
-k = np.reshape(yaml.safe_load((run.folder / "CAM.yaml").read_text())["camera_matrix"]["data"], (3, 3))
-require(camera.model.name == "PINHOLE" and (camera.width, camera.height) == (96, 72), "camera")
+calibration = yaml.safe_load((run.folder / "CAM.yaml").read_text())
+k = np.reshape(calibration["camera_matrix"]["data"], (3, 3))
+own, lens = calibration["distortion_model"], calibration["distortion_coefficients"]["data"]
+models = {"plumb_bob": "FULL_OPENCV" if lens[-1] else "OPENCV" if any(lens) else "PINHOLE",
+          "rational_polynomial": "FULL_OPENCV", "equidistant": "OPENCV_FISHEYE"}
+require(camera.model.name == models[own] and (camera.width, camera.height) == (96, 72), "camera")
 # COLMAP counts from the corner of the first pixel, ROS from its centre; the file of the run has about nine digits.
-require(np.abs(np.array(camera.params) - k[[0, 1, 0, 1], [0, 1, 2, 2]] - [0, 0, 0.5, 0.5]).max() <= 1e-6, "intrinsics")
+params = np.array(camera.params)
+require(np.abs(params[:4] - k[[0, 1, 0, 1], [0, 1, 2, 2]] - [0, 0, 0.5, 0.5]).max() <= 1e-6, "intrinsics")
+count = min(len(params) - 4, len(lens))
+require(np.abs(params[4 : 4 + count] - lens[:count]).max(initial=0) <= 1e-9, "lens")
+require(not any(params[4 + count :]) and not any(lens[count:]), "coefficients that only one of both has")
 
 for image in model.images.values():
     frame = int(image.name.removeprefix("CAM_").removesuffix(".png"))
@@ -37,6 +45,8 @@ for image in model.images.values():
         require((point.color == colors[row, column]).all(), "colour of a point")
         seen += 1
     require(seen >= 500, f"{seen} points")
+    if camera.model.name == "OPENCV_FISHEYE":
+        continue  # EXIF knows pinholes alone
     for picture in (folder / "images" / image.name, run.folder / "CAM" / f"{frame:06d}.png"):
         found_px = pycolmap.infer_camera_from_image(picture).mean_focal_length()
         require(abs(found_px - k[0, 0]) <= 1e-4, "focal length in the picture")  # a millionth of a millimetre is 3e-6 px
