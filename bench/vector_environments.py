@@ -1,24 +1,23 @@
 #!/usr/bin/env python3
 """Many environments with a planar scanner, stepped together and one by one: `bench/vector_environments.py [--run build/release]`.
 
-The interpreter needs NumPy; with the packages `mujoco` and `pybullet` it measures these too, and a peer that is missing is
-left out, with the reason on stderr. Each turn sets the yaw of every robot, makes a frame of each environment and has all
+The interpreter needs NumPy; with the package `mujoco` it measures MuJoCo too. Each turn sets the yaw of every robot, makes a frame of each environment and has all
 ranges in one array, (environments, 361). All take turns in one process, and a ratio is the median over the turns of a time
-over that of `vector` in the same turn.
+over that of `vector` in the same turn. Ranges that differ end the program: by a bit one by one, by 1 mm from MuJoCo.
 
-  vector     simvis.VectorSimulation
-  one_by_one simvis.Simulation for each environment: set(), step(), range_m, and numpy.stack()
-  steps      of these the calls of step() alone
-  mujoco     mujoco.rollout with 361 rangefinders, as many threads as there are cores
-  pybullet   rayTestBatch() of 361 rays for each environment in one world, since a process has one world for each client
+  vector      simvis.VectorSimulation
+  one_by_one  simvis.Simulation for each environment: set(), step(), range_m, and numpy.stack()
+  steps       of these the calls of step() alone
+  mujoco      mujoco.rollout with 361 rangefinders, as many threads as there are cores
 
-The scenes: `room`, 20 spheres in a box (SimVis and its peers have the same spheres and the same box), and `marvin`, the
+The scenes: `room`, 20 spheres in a box (MuJoCo has the same ones), and `marvin`, the
 scene's FRONT_SCANNER (SimVis alone).
 
 Prints CSV: scene, environments, who, turns, ms, processor_ms, ratio_to_vector, memory_kb (of one environment more).
 """
 import argparse
 import importlib
+import importlib.util
 import math
 import os
 import statistics
@@ -93,11 +92,9 @@ class MuJoCo:
             f'<mujoco><worldbody>{walls}{spheres}<body name="r" mocap="true" pos="{START[0]} {START[1]} 0">{sites}</body>'
             f'</worldbody><sensor>{rays}</sensor></mujoco>')
         self.data = [mujoco.MjData(self.model) for _ in range(os.cpu_count() or 1)]
-        kind = mujoco.mjtState.mjSTATE_FULLPHYSICS | mujoco.mjtState.mjSTATE_USER
         self.spec = mujoco.mjtState.mjSTATE_MOCAP_QUAT
         state = np.zeros(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
         mujoco.mj_getState(self.model, self.data[0], state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        del kind
         self.states = np.tile(state, (count, 1))
 
     def __call__(self, yaws: np.ndarray) -> np.ndarray:
@@ -108,49 +105,14 @@ class MuJoCo:
         return sensed[:, 0]
 
 
-class PyBullet:
-    def __init__(self, pybullet, count: int) -> None:
-        self.pybullet = pybullet
-        pybullet.connect(pybullet.DIRECT)
-        for axis in range(3):
-            for sign in (-1, 1):
-                place, size = np.zeros(3), HALF_M.copy()
-                place[axis], size[axis] = sign * (HALF_M[axis] + 0.1), 0.1
-                shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=list(size))
-                pybullet.createMultiBody(0, shape, basePosition=list(place))
-        sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=RADIUS_M)
-        for place in SPHERES:
-            pybullet.createMultiBody(0, sphere, basePosition=place)
-        self.angles = np.radians(np.linspace(-90, 90, BEAMS))
-
-    def __call__(self, yaws: np.ndarray) -> np.ndarray:
-        ranges = np.empty((len(yaws), BEAMS))
-        start = np.tile(START, (BEAMS, 1))
-        for i, yaw in enumerate(np.radians(yaws)):
-            ends = start + REACH_M * np.stack([np.cos(self.angles + yaw), np.sin(self.angles + yaw), np.zeros(BEAMS)], 1)
-            hits = self.pybullet.rayTestBatch(start, ends, numThreads=0)
-            ranges[i] = [hit[2] * REACH_M for hit in hits]
-        return ranges
-
-
-def peer(name: str):
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        print(f"{name} is left out: {error}", file=sys.stderr)
-        return None
-
-
 def compare(simvis, scene: str, count: int, turns: int) -> None:
     before = memory_kb()
     all_of = {"vector": Vector(simvis, scene, count)}
     all_of["vector"](np.zeros(count))
     memory = (memory_kb() - before) / count
     all_of["one_by_one"] = OneByOne(simvis, scene, count)
-    if scene == "room":
-        for name, make in (("mujoco", MuJoCo), ("pybullet", PyBullet)):
-            if module := peer(name):
-                all_of[name] = make(module, count)
+    if scene == "room" and importlib.util.find_spec("mujoco"):
+        all_of["mujoco"] = MuJoCo(importlib.import_module("mujoco"), count)
     times = {name: [] for name in (*all_of, "steps")}
     processor = {name: [] for name in all_of}
     for turn in range(turns + 1):

@@ -15,13 +15,13 @@
 #include "simvis/built_scene.h"
 #include "simvis/command_names.h"
 #include "simvis/element_motion.h"
-#include "simvis/unbuilt_scene.h"
 #include "simvis/sharing/network.h"
 #include "simvis/sharing/packet_recording.h"
 #include "simvis/sharing/packet_stream.h"
 #include "simvis/sharing/recording.h"
 #include "simvis/sharing/serving.h"
 #include "simvis/simulation_use.h"
+#include "simvis/unbuilt_scene.h"
 
 namespace simvis {
 

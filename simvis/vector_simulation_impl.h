@@ -1,6 +1,7 @@
 // The state of a vector of simulations, and the threads that work on it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -8,9 +9,11 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <simvis/vector_simulation.h>
+#include <simvis/simulation.h>
+#include <simvis/vector_output.h>
 #include "engine/base/program_api.h"
 #include "engine/base/thread_pool.h"
 #include "simvis/unbuilt_scene.h"

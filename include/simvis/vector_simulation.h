@@ -12,27 +12,13 @@
 #include <vector>
 
 #include <simvis/export.h>
-#include <simvis/measurement.h>
-#include <simvis/output_spec.h>
 #include <simvis/simulation.h>
 #include <simvis/simulation_desc.h>
+#include <simvis/vector_output.h>
 
 namespace simvis {
 
 struct VectorSimulationImpl;
-
-/// One output of a sensor in all environments, in one array.
-///
-/// Shape    by environment, and then as MeasuredArray: number j of environment i is numbers[i * n + j], where
-///          n = rows * columns * channels of `output.shape`, which is that of one environment.
-/// Special  NaN, or 0 where the numbers are whole, of an environment whose sensor has not measured yet.
-/// Memory   a copy keeps its numbers, as that of a Measurement.
-struct VectorOutput {
-  std::string sensor;          ///< the sensor's name
-  OutputSpec output;           ///< of one environment
-  std::size_t environments{};  ///< how many there are
-  MeasuredNumbers numbers{};   ///< without gaps
-};
 
 /// Copies of one scene, called environments, which are stepped together. Environment i is a Simulation whose seed is
 /// SimulationDesc::seed + i, modulo 2^64: it measures the same bytes as one that was loaded alone with that seed, and

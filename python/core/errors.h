@@ -24,8 +24,8 @@ void forget_kept();
 /// kept, if anything was.
 void rethrow_kept();
 
-/// Calls `work` in a thread of the library, without the interpreter's lock, and raises in it what Python code has raised
-/// there. Nothing is left in the thread.
+/// Calls `work` in a thread of the library, without the interpreter's lock, and raises in it what Python code has
+/// raised there. Nothing is left in the thread.
 void call_and_raise_kept(const std::function<void()>& work);
 
 }  // namespace simvis::python

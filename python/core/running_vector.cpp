@@ -37,7 +37,8 @@ nb::object to_array(const VectorOutput& output) {
       [&]<typename Number>(const SharedArray<Number>& numbers) {
         auto kept = std::make_unique<SharedNumbers<Number>>(numbers);
         const Number* const data = kept->data();
-        const nb::capsule owner(kept.get(), [](void* held) noexcept { delete static_cast<SharedNumbers<Number>*>(held); });
+        const nb::capsule owner(kept.get(),
+                                [](void* held) noexcept { delete static_cast<SharedNumbers<Number>*>(held); });
         static_cast<void>(kept.release());
         return nb::cast(nb::ndarray<nb::numpy, const Number>(data, shape.size(), shape.data(), owner),
                         nb::rv_policy::reference);
@@ -53,9 +54,8 @@ void bind_frames(BoundClass<RunningVector>& core) {
   core.def(
           "__init__",
           [](RunningVector* self, std::size_t environments, const SimulationDesc& settings, nb::handle scene,
-             const std::string& xml, nb::handle folder, const std::string& name) {
-            RunningVector::load(self, environments, settings, scene, xml, folder, name);
-          },
+             const std::string& xml, nb::handle folder,
+             const std::string& name) { RunningVector::load(self, environments, settings, scene, xml, folder, name); },
           "environments"_a, "settings"_a, "scene"_a = nb::none(), "xml"_a = "", "folder"_a = ".", "name"_a = "<string>",
           nb::sig("def __init__(self, environments: int, settings: Settings, scene: str | None = None, xml: str = '', "
                   "folder: str | os.PathLike[str] = '.', name: str = '<string>') -> None"))
@@ -106,10 +106,10 @@ void bind_values(BoundClass<RunningVector>& core) {
       .def("_output", &RunningVector::output,
            nb::sig("def _output(self, sensor: str, output: str) -> numpy.typing.NDArray[typing.Any]"))
       .def("_get", &parameter)
-      .def("_set", [](RunningVector& self, const std::string& element, const std::string& parameter,
-                      const Numbers& values) {
-        self.idle().set(element, parameter, {values.data(), values.size()});
-      });
+      .def("_set",
+           [](RunningVector& self, const std::string& element, const std::string& parameter, const Numbers& values) {
+             self.idle().set(element, parameter, {values.data(), values.size()});
+           });
 }
 
 }  // namespace

@@ -51,14 +51,17 @@ class SceneVectorEnv(gymnasium.vector.VectorEnv[Observations, Array, Array]):
             raise InputError(f'render_mode is {render_mode!r}, expected None, or "rgb_array" with render_camera')
         if not actions:
             raise InputError('actions is empty, expected parameters such as {"DRIVE.speed": (0, 1)}')
-        self.num_envs, self.render_mode, self._render_camera = num_envs, render_mode, render_camera
+        self.num_envs: int = num_envs
+        self.render_mode: str | None = render_mode
+        self._render_camera = render_camera
         self._actions, self._parameters = list(actions), list(actions if parameters is None else parameters)
         self._outputs, self._reward, self._ended, self._reload = list(outputs), reward, ended, reload
         self._limit = max_episode_steps
-        seen = sensors if sensors is not None else dict.fromkeys(name.rpartition(".")[0] for name in outputs)
+        seen = [*(name.rpartition(".")[0] for name in outputs)] if sensors is None else list(sensors)
+        seen += [render_camera] if render_mode else []
         #: The simulations.
-        self.sims = VectorSimulation.load(os.path.abspath(scene), num_envs, **settings)
-        self.sims.only(*seen, *([render_camera] if render_mode else []))
+        self.sims: VectorSimulation = VectorSimulation.load(os.path.abspath(scene), num_envs, sensors=seen, **settings)
+        self.sims.only(*seen)
         self.sims.step()
         if not reload:
             self.sims.save_states()
@@ -67,10 +70,10 @@ class SceneVectorEnv(gymnasium.vector.VectorEnv[Observations, Array, Array]):
         self._frames = np.zeros(num_envs, np.int64)
         self._over = np.zeros(num_envs, bool)
         low, high = np.array(list(actions.values()), np.float32).T
-        self.single_action_space = spaces.Box(low, high)
-        self.single_observation_space = spaces.Dict(self._spaces())
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.single_action_space: spaces.Space[Any] = spaces.Box(low, high)
+        self.single_observation_space: spaces.Space[Any] = spaces.Dict(self._spaces())
+        self.action_space: spaces.Space[Any] = batch_space(self.single_action_space, num_envs)
+        self.observation_space: spaces.Space[Any] = batch_space(self.single_observation_space, num_envs)
 
     def begin(self, environments: Sequence[int]) -> None:
         """Called before the first frame of an episode of these, to draw a start by self.randoms[i]. Does nothing."""
@@ -86,9 +89,8 @@ class SceneVectorEnv(gymnasium.vector.VectorEnv[Observations, Array, Array]):
         seeds = list(seed) if isinstance(seed, Sequence) else [None if seed is None else seed + i for i in range(self.num_envs)]
         if len(seeds) != self.num_envs:
             raise InputError(f"there are {len(seeds)} seeds, expected {self.num_envs}")
-        before = self.randoms or [None] * self.num_envs
-        self.randoms = [random if random is not None and each is None else seeding.np_random(each)[0]
-                        for random, each in zip(before, seeds)]
+        before = self.randoms
+        self.randoms = [before[i] if before and each is None else seeding.np_random(each)[0] for i, each in enumerate(seeds)]
         self._begin(list(range(self.num_envs)))
         self.sims.step()
         return self._observations(), self._info()
@@ -105,6 +107,8 @@ class SceneVectorEnv(gymnasium.vector.VectorEnv[Observations, Array, Array]):
 
     def step(self, actions: Array) -> tuple[Observations, Array, Array, Array, dict[str, Any]]:
         """Sets the parameters, makes a frame of each environment and returns what was measured."""
+        if not self.randoms:
+            raise gymnasium.error.ResetNeeded("expected reset() before step()")
         acting = ~self._over
         if not acting.all():
             self._begin([int(i) for i in np.flatnonzero(~acting)])

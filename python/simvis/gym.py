@@ -189,8 +189,8 @@ class DriveVectorEnv(SceneVectorEnv):
     def apply(self, actions: npt.NDArray[Any], acting: npt.NDArray[np.bool_]) -> None:
         """Moves the robots by speed and turn."""
         speed, turn = actions.T.astype(np.float64) * self._frame_s
-        before = [self.sims.parameters[f"R_POSE.{name}"] for name in ("x", "y", "yaw")]
-        for name, old, new in zip(("x", "y", "yaw"), before, _driven(*before, speed, turn)):
+        x, y, yaw = (self.sims.parameters[f"R_POSE.{name}"] for name in ("x", "y", "yaw"))
+        for name, old, new in zip(("x", "y", "yaw"), (x, y, yaw), _driven(x, y, yaw, speed, turn)):
             self.sims.parameters[f"R_POSE.{name}"] = np.where(acting, new, old)
         self._way_m = speed
 
