@@ -7,11 +7,23 @@
 #include "simvis/vector_simulation_impl.h"
 
 namespace simvis {
+namespace {
+
+// A forked process has none of the threads that would have to end, so it leaves the environments as they are.
+void end_vector(std::unique_ptr<VectorSimulationImpl> impl) {
+  if (impl != nullptr && impl->process.forked()) static_cast<void>(impl.release());
+}
+
+}  // namespace
 
 VectorSimulation::VectorSimulation(std::unique_ptr<VectorSimulationImpl> impl) : impl_(std::move(impl)) {}
 VectorSimulation::VectorSimulation(VectorSimulation&&) noexcept = default;
-VectorSimulation& VectorSimulation::operator=(VectorSimulation&&) noexcept = default;
-VectorSimulation::~VectorSimulation() = default;
+VectorSimulation& VectorSimulation::operator=(VectorSimulation&& other) noexcept {
+  end_vector(std::exchange(impl_, std::move(other.impl_)));
+  return *this;
+}
+
+VectorSimulation::~VectorSimulation() { end_vector(std::move(impl_)); }
 
 VectorSimulation VectorSimulation::load(const std::filesystem::path& scene, std::size_t environments,
                                         const SimulationDesc& desc) {
@@ -30,8 +42,11 @@ VectorSimulation VectorSimulation::from_string(std::string_view xml, std::size_t
 }
 
 VectorSimulationImpl& VectorSimulation::impl() const {
-  if (impl_ != nullptr) return *impl_;
-  throw InputError("this vector of simulations was moved from, expected one that was loaded or assigned to");
+  if (impl_ == nullptr) {
+    throw InputError("this vector of simulations was moved from, expected one that was loaded or assigned to");
+  }
+  impl_->process.require_not_forked();
+  return *impl_;
 }
 
 std::size_t VectorSimulation::size() const { return impl().environments.size(); }

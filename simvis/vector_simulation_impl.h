@@ -14,6 +14,7 @@
 
 #include <simvis/simulation.h>
 #include <simvis/vector_output.h>
+#include "engine/base/process_use.h"
 #include "engine/base/program_api.h"
 #include "engine/base/thread_pool.h"
 #include "simvis/unbuilt_scene.h"
@@ -53,6 +54,7 @@ struct VectorSimulationImpl {
   /// Writes the row of one environment.
   void collect(std::size_t environment, VectorOutput& output) const;
 
+  ProcessUse process;
   SimulationDesc desc;  // of environment 0; the threads are those of each environment
   UnbuiltScene scene;
   std::shared_ptr<ThreadPool> pool;

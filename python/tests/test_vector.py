@@ -1,5 +1,6 @@
 """simvis.VectorSimulation and vector environments: against single simulations, and against Gymnasium's own vectors."""
 import gc
+import os
 import threading
 import unittest
 import weakref
@@ -176,6 +177,21 @@ class Vectors(unittest.TestCase):
             thread.join()
         self.assertTrue(failures)
         self.assertEqual({message.partition(",")[0] for message in failures}, {"these environments are in use by another thread"})
+
+    def test_a_forked_process(self) -> None:
+        sims = environments()
+        sims.step()
+        child = os.fork()
+        if child == 0:
+            status = 1
+            try:
+                sims.step()
+            except simvis.InputError as error:
+                status = 7 if "was forked" in str(error) else 2
+            del sims
+            os._exit(status)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 7)
+        sims.step()
 
     def test_nothing_is_left(self) -> None:
         sims = environments()
