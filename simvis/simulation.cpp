@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <simvis/effect.h>
-#include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/base/stack_limit.h"
 #include "engine/vulkan/device_impl.h"
@@ -22,22 +21,13 @@
 #include "simvis/sharing/recording.h"
 #include "simvis/sharing/serving.h"
 #include "simvis/simulation_use.h"
+#include "simvis/unbuilt_scene.h"
 
 namespace simvis {
 
 namespace {
 
 constexpr double kRigidTolerance = 1e-6;  // of unit vectors: far above float32's rounding, far below any scale meant
-
-// A part file given as the scene is a common mistake, and its content would only be reported as malformed XML.
-std::vector<Command> read_scene(const std::filesystem::path& file) {
-  if (file.extension() != ".xml" && find_part_importer(file) != nullptr) {
-    throw InputError(file.string() +
-                     ": error: this is the file of a part, expected a scene; put it into one: <part file=" +
-                     in_quotes(file.filename().string()) + " name=\"PART\" insert_at=\"ROOT\"/>");
-  }
-  return read_commands(file);
-}
 
 template <typename Output>
 const Output& require(const Output* output, const BuiltSensor& sensor, std::string_view what) {
@@ -121,24 +111,18 @@ Simulation::~Simulation() { end_simulation(std::move(impl_)); }
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
   const ProcessUse process;
   require_stack();
-  const InputLog inputs;
-  const std::vector<Command> commands = read_scene(scene);
+  const UnbuiltScene source = UnbuiltScene::of_file(scene);
   std::optional<DeviceOpening> opening;  // while parts are read, which takes about as long
   const auto opens = [&](const Command& command) { return is_selected(command, desc) && makes_pictures(command); };
-  if (std::ranges::any_of(commands, opens)) opening.emplace(choice_of(desc.device));
-  auto impl = std::make_unique<SimulationImpl>(desc, commands, scene.string());
-  impl->inputs.add(inputs);
-  return Simulation(std::move(impl));
+  if (std::ranges::any_of(source.commands, opens)) opening.emplace(choice_of(desc.device));
+  return Simulation(source.build(desc));
 }
 
 Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& desc,
                                    const std::filesystem::path& folder, const std::string& name) {
   const ProcessUse process;
   require_stack();
-  const InputLog inputs;
-  auto impl = std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder), name);
-  impl->inputs.add(inputs);
-  return Simulation(std::move(impl));
+  return Simulation(UnbuiltScene::of_text(xml, folder, name).build(desc));
 }
 
 SimulationUse Simulation::impl() const { return SimulationUse(impl_.get()); }

@@ -17,7 +17,7 @@ set(soak_tests
     sensors/hybrid_scan_test sensors/lens_sensors_test sensors/noisy_readings_test sensors/same_bytes_test sensors/scan_accuracy_test
     sensors/scanner_presets_test
     sensors/stereo_matching_test
-    simvis/clock_test simvis/price_test simvis/replay_test simvis/second_run_test sources/docs_commands_test
+    simvis/clock_test simvis/price_test simvis/replay_test simvis/second_run_test simvis/vector_simulation_test sources/docs_commands_test
     state/restored_history_test state/restored_physics_test state/restored_sensors_test state/wrong_states_test)
 
 # Sets `result` to the names of the tests' headers that start programs, as a regular expression.

@@ -32,6 +32,7 @@ namespace simvis {
 struct BuiltScene;
 struct SimulationImpl;
 class SimulationUse;
+struct VectorSimulationImpl;
 namespace ros {
 class MessageOutlet;
 }
@@ -282,6 +283,7 @@ class SIMVIS_API Simulation {
 
  private:
   friend void send_messages(Simulation& simulation, ros::MessageOutlet* outlet);
+  friend struct VectorSimulationImpl;
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   SimulationUse impl() const;
   friend const BuiltScene& built_scene(const Simulation& simulation);

@@ -2,9 +2,12 @@
 
 #include <nanobind/stl/string.h>
 
+#include <cmath>
 #include <cstddef>
 
+#include <simvis/attributes.h>
 #include <simvis/error.h>
+#include <simvis/location.h>
 
 namespace nb = nanobind;
 
@@ -22,6 +25,15 @@ double number_of(const std::string& name, nb::handle value, const char* expected
     refuse(name, value, expected);
   }
   return number;
+}
+
+std::chrono::nanoseconds length_of(nb::handle dt_s) {
+  const double seconds = number_of("dt_s", dt_s, "seconds");
+  const double dt_ns = std::round(seconds * 1e9);
+  if (!(dt_ns >= 1 && dt_ns < 9e18)) {
+    throw InputError("dt_s is " + format_number(seconds) + ", expected seconds above 0 within the clock's 292 years");
+  }
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(dt_ns));
 }
 
 std::string text_of(const std::string& name, nb::handle value) {

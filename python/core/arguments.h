@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <chrono>
 #include <glm/glm.hpp>
 #include <string>
 
@@ -14,6 +15,9 @@ namespace simvis::python {
 
 /// A number, of any type of Python that converts to one. Throws InputError if the value is none.
 double number_of(const std::string& name, nanobind::handle value, const char* expected = "a number");
+
+/// The length of a step. Throws InputError if the value is no number of seconds above 0, or beyond the clock's range.
+std::chrono::nanoseconds length_of(nanobind::handle dt_s);
 
 /// The UTF-8 of a text. Throws InputError if the value is no text, or has half of a surrogate pair.
 std::string text_of(const std::string& name, nanobind::handle value);

@@ -8,6 +8,7 @@
 #include <simvis/pose.h>
 #include "python/core/arguments.h"
 #include "python/core/running_simulation.h"
+#include "python/core/running_vector.h"
 #include "python/core/settings.h"
 #include "simvis/built_scene.h"
 #include "simvis/nested_points.h"
@@ -162,6 +163,14 @@ std::vector<std::string> element_names(const RunningSimulation& running) {
 
 void bind_frames(BoundClass<RunningSimulation>& core) {
   core.def(
+          "__init__",
+          [](RunningSimulation* self, const RunningVector& environments, std::size_t index) {
+            SimulationDesc desc = environments.desc();
+            desc.seed += index;
+            new (self) RunningSimulation(environments.idle().environment(index), desc);
+          },
+          "environments"_a, "index"_a)
+      .def(
           "__init__",
           [](RunningSimulation* self, nb::handle settings, nb::handle scene, const std::string& xml, nb::handle folder,
              const std::string& name) {

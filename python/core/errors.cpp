@@ -112,4 +112,20 @@ void rethrow_kept() {
   throw nb::python_error(std::move(error));
 }
 
+void call_and_raise_kept(const std::function<void()>& work) {
+  const auto is_empty = [] { return !kept && !kept_cause; };
+  try {
+    work();
+  } catch (...) {
+    if (is_empty()) throw;
+    const nb::gil_scoped_acquire locked;
+    if (kept && ends_program(*kept)) rethrow_kept();
+    forget_kept();
+    throw;
+  }
+  if (is_empty()) return;
+  const nb::gil_scoped_acquire locked;
+  rethrow_kept();
+}
+
 }  // namespace simvis::python

@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 
 #include <exception>
+#include <functional>
 
 namespace simvis::python {
 
@@ -22,5 +23,9 @@ void forget_kept();
 /// Called with the interpreter's lock, after the library was called. Forgets a cause, and raises what keep_error()
 /// kept, if anything was.
 void rethrow_kept();
+
+/// Calls `work` in a thread of the library, without the interpreter's lock, and raises in it what Python code has
+/// raised there. Nothing is left in the thread.
+void call_and_raise_kept(const std::function<void()>& work);
 
 }  // namespace simvis::python

@@ -19,6 +19,7 @@
 #include "python/core/measurements.h"
 #include "python/core/pickling.h"
 #include "python/core/running_simulation.h"
+#include "python/core/running_vector.h"
 #include "python/core/written_elements.h"
 #include "python/core/written_sensors.h"
 
@@ -31,6 +32,7 @@ NB_MODULE(_core_of_main, module) {
   simvis::python::bind_measurements(module);
   simvis::python::bind_matchers(module);
   simvis::python::bind_pickling(module);
+  simvis::python::bind_vector(module);
   simvis::python::bind_simulation(module);
   simvis::python::bind_written_elements(module);
   simvis::python::bind_written_sensors(module);

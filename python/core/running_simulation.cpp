@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "program/report/cost_report.h"
 #include "program/report/explain.h"
@@ -44,15 +45,6 @@ std::string joined(const std::vector<std::string>& texts) {
   return all;
 }
 
-std::chrono::nanoseconds length_of(nb::handle dt_s) {
-  const double seconds = number_of("dt_s", dt_s, "seconds");
-  const double dt_ns = std::round(seconds * 1e9);
-  if (!(dt_ns >= 1 && dt_ns < 9e18)) {
-    throw InputError("dt_s is " + format_number(seconds) + ", expected seconds above 0 within the clock's 292 years");
-  }
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(dt_ns));
-}
-
 // All values of one simulation in another of the same scene.
 void copy_values(const Parameters& from, Parameters& to) {
   for (const ElementDescriptor& element : from.elements()) {
@@ -74,16 +66,16 @@ void check_process() {
       "started by multiprocessing.get_context(\"spawn\"), or simvis.map()");
 }
 
-RunningSimulation::RunningSimulation(Simulation simulation, const SimulationDesc& desc)
+RunningSimulation::RunningSimulation(std::shared_ptr<Simulation> simulation, const SimulationDesc& desc)
     : simulation_(std::move(simulation)), desc_(desc), process_(::getpid()) {}
 
 void RunningSimulation::load(RunningSimulation* self, nb::handle scene, const SimulationDesc& desc) {
   check_process();
   const std::string file = path_of("scene", scene);
   forget_kept();
-  Simulation loaded = [&] {
+  auto loaded = [&] {
     const FreeWork free;
-    return Simulation::load(file, desc);
+    return std::make_shared<Simulation>(Simulation::load(file, desc));
   }();
   rethrow_kept();
   new (self) RunningSimulation(std::move(loaded), desc);
@@ -94,9 +86,9 @@ void RunningSimulation::from_string(RunningSimulation* self, const std::string& 
   check_process();
   const std::string start = path_of("folder", folder);
   forget_kept();
-  Simulation loaded = [&] {
+  auto loaded = [&] {
     const FreeWork free;
-    return Simulation::from_string(xml, desc, start, name);
+    return std::make_shared<Simulation>(Simulation::from_string(xml, desc, start, name));
   }();
   rethrow_kept();
   new (self) RunningSimulation(std::move(loaded), desc);
@@ -106,7 +98,7 @@ RunningSimulation::~RunningSimulation() {
   if (process_ != ::getpid()) {  // a forked process can neither end the threads of another nor remove its files
     static_cast<void>(page_.release());
     static_cast<void>(window_.release());
-    if (simulation_) new Simulation(std::move(*simulation_));
+    new std::shared_ptr(std::move(simulation_));
     return;
   }
   std::optional<FreeWork> free;  // none in a thread that may lose the lock for good

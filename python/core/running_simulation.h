@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -33,12 +32,14 @@ class RunningSimulation {
   static void load(RunningSimulation* self, nanobind::handle scene, const SimulationDesc& desc);
   static void from_string(RunningSimulation* self, const std::string& xml, const SimulationDesc& desc,
                           nanobind::handle folder, const std::string& name);
+  /// `simulation` is one of several that somebody else steps too, with settings `desc`.
+  RunningSimulation(std::shared_ptr<Simulation> simulation, const SimulationDesc& desc);
   ~RunningSimulation();
   RunningSimulation(const RunningSimulation&) = delete;
   RunningSimulation& operator=(const RunningSimulation&) = delete;
 
   void close();
-  bool is_closed() const { return !simulation_.has_value(); }
+  bool is_closed() const { return simulation_ == nullptr; }
 
   /// The simulation, for a call that is over at once.
   Simulation& idle();
@@ -79,7 +80,6 @@ class RunningSimulation {
   nanobind::list price(const std::vector<std::string>& sensors, std::uint64_t frames);
 
  private:
-  RunningSimulation(Simulation simulation, const SimulationDesc& desc);
   [[noreturn]] void fail_unmeasured(const std::string& sensor) const;
   void show_in_window();
   /// Shows the frame that is finished, and adds it to the page.
@@ -96,7 +96,7 @@ class RunningSimulation {
     RunningSimulation& running_;
   };
 
-  std::optional<Simulation> simulation_;
+  std::shared_ptr<Simulation> simulation_;
   SimulationDesc desc_;
   bool under_way_ = false;                    // a frame that step_async() began is not finished
   std::vector<std::string> names_under_way_;  // of the sensors, while a frame is

@@ -21,6 +21,7 @@ from ._proxies import Element, Parameters, Sensor
 from ._scenes import scene
 from ._simulation import Simulation
 from ._trajectory import Trajectory
+from ._vector import VectorSimulation
 from ._viewer import Viewer, viewer
 from ._written import Attribute, CustomElement, CustomSensor
 
@@ -28,7 +29,7 @@ __version__ = _core.version()
 __all__ = [
     "Attribute", "Context", "CustomElement", "CustomSensor", "Element", "Error", "Image", "InputError", "MachineError",
     "Measurement", "Parameters", "PriceList", "Scan", "Sensor", "Simulation", "Trajectory", "Transform", "UnknownName",
-    "Viewer", "list_devices", "load_plugin", "map", "scene", "viewer",
+    "VectorSimulation", "Viewer", "list_devices", "load_plugin", "map", "scene", "viewer",
 ]
 
 _usd.read_by_this_python()

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Self
 
-from ._core import Core, Settings
+from ._core import Core, Settings, VectorCore
 from ._mistakes import checked_keywords
 from ._scenes import scene_file, scene_text
 
@@ -56,3 +56,34 @@ class Loading(Core):
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
         return cls(settings, xml=scene_text(xml), folder=folder, name=name)
+
+
+class VectorLoading(VectorCore):
+    """The constructors of VectorSimulation."""
+
+    @classmethod
+    @checked_keywords
+    def load(cls, scene: str | os.PathLike[str], environments: int, *, rate_hz: float | None = 15.0, seed: int = 0,
+             threads: int = 0, device: str = "", strict: bool = False, sensors: Sequence[str] | None = None,
+             overrides: Mapping[str, str | None] | None = None,
+             packages: Mapping[str, str | os.PathLike[str]] | None = None, instrumented: bool = False,
+             cache_dir: str = "", progress: Callable[[str, int, int], None] | None = None) -> Self:
+        """Loads a scene file so many times. Settings are those of Simulation.load(); environment i has the seed `seed` + i."""
+        settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict, sensors=sensors,
+                            overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
+                            progress=progress)
+        return cls(environments, settings, scene=scene_file(scene))
+
+    @classmethod
+    @checked_keywords
+    def from_string(cls, xml: str, environments: int, *, folder: str | os.PathLike[str] = ".", name: str = "<string>",
+                    rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0, device: str = "",
+                    strict: bool = False, sensors: Sequence[str] | None = None,
+                    overrides: Mapping[str, str | None] | None = None,
+                    packages: Mapping[str, str | os.PathLike[str]] | None = None, instrumented: bool = False,
+                    cache_dir: str = "", progress: Callable[[str, int, int], None] | None = None) -> Self:
+        """Loads a scene from text, as load() does. File names in it start at `folder`; `name` stands in messages."""
+        settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict, sensors=sensors,
+                            overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
+                            progress=progress)
+        return cls(environments, settings, xml=scene_text(xml), folder=folder, name=name)

@@ -21,12 +21,13 @@ def suggestion(seen: object, known: Iterable[str]) -> str:
 def checked_keywords(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     """The function, whose TypeError for a keyword that it does not have says the nearest one that it has."""
     keywords = list(inspect.signature(function).parameters)[1:]
+    called = function.__qualname__.replace("Loading", "Simulation")
 
     @functools.wraps(function)
     def checked(*arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
         for name in named:
             if name not in keywords:
-                raise TypeError(f'Simulation.{function.__name__}() has no setting "{name}"'
+                raise TypeError(f'{called}() has no setting "{name}"'
                                 + (suggestion(name, keywords) or ", expected one of " + ", ".join(keywords)))
         return function(*arguments, **named)
 

@@ -8,6 +8,9 @@
     env = CameraObservation(ScanObservation(env, "FRONT", reach_m=10), "CAM")
 
 An observation is a dict: "parameters", and an entry of the sensor's name for each wrapper.
+
+    envs = gymnasium.make_vec("simvis/Drive-v0", num_envs=100)         # stepped together, see VectorSimulation
+    envs = gymnasium.make_vec("simvis/Scene-v0", num_envs=100, scene="room.xml", actions=..., outputs=["FRONT.range_m"])
 """
 
 from __future__ import annotations
@@ -26,8 +29,11 @@ from gymnasium.utils import RecordConstructorArgs
 from ._errors import InputError
 from ._scenes import scene as scene_of_package
 from ._simulation import Simulation
+from ._vector import VectorSimulation
+from ._vector_env import Observations, SceneVectorEnv
 
-__all__ = ["CameraObservation", "DriveEnv", "Observation", "ScanObservation", "SceneEnv", "register_envs"]
+__all__ = ["CameraObservation", "DriveEnv", "DriveVectorEnv", "Observation", "ScanObservation", "SceneEnv", "SceneVectorEnv",
+           "register_envs"]
 
 Observation = dict[str, npt.NDArray[Any]]
 Action = npt.NDArray[np.float32]
@@ -119,6 +125,17 @@ class SceneEnv(gymnasium.Env[Observation, Action]):
         self.sim.close()
 
 
+_DRIVE: dict[str, Any] = {"actions": {"speed": (0, 1), "turn": (-90, 90)}, "parameters": ["R_POSE.x", "R_POSE.y", "R_POSE.yaw"],
+                          "render_camera": "ROOM_CAM"}
+_BUMP = -10.0
+
+
+def _driven(x: Any, y: Any, yaw_deg: Any, speed: Any, turn_deg: Any) -> tuple[Any, Any, Any]:
+    """The pose after a frame, of one robot or of many: by the same functions, so that all digits are the same."""
+    yaw = np.radians(yaw_deg + turn_deg)
+    return x + speed * np.cos(yaw), y + speed * np.sin(yaw), np.degrees(yaw)
+
+
 class DriveEnv(SceneEnv):
     """The robot of the scene marvin drives through the laboratory, and must not come nearer than 0.4 m to anything.
 
@@ -128,9 +145,8 @@ class DriveEnv(SceneEnv):
     def __init__(self, *, radius_m: float = 0.4, cameras: Sequence[str] = (), reload: bool = True,
                  render_mode: str | None = None, **settings: Any) -> None:
         self._radius_m, self._way_m = radius_m, 0.0
-        super().__init__(scene_of_package("marvin"), {"speed": (0, 1), "turn": (-90, 90)}, sensors=["FRONT_SCANNER", *cameras],
-                         parameters=["R_POSE.x", "R_POSE.y", "R_POSE.yaw"], reward=self._earned, ended=self._bumped,
-                         reload=reload, render_mode=render_mode, render_camera="ROOM_CAM", **{"rate_hz": 10, **settings})
+        super().__init__(scene_of_package("marvin"), sensors=["FRONT_SCANNER", *cameras], reward=self._earned,
+                         ended=self._bumped, reload=reload, render_mode=render_mode, **{**_DRIVE, "rate_hz": 10, **settings})
         self._frame_s = 1 / float(settings.get("rate_hz", 10))
 
     def begin(self) -> None:
@@ -140,15 +156,62 @@ class DriveEnv(SceneEnv):
     def apply(self, action: Action) -> None:
         """Moves the robot by speed and turn."""
         robot, (speed, turn) = self.sim.elements["R_POSE"], (float(each) * self._frame_s for each in action)
-        yaw = math.radians(robot.yaw + turn)
-        robot.set(yaw=math.degrees(yaw), x=robot.x + speed * math.cos(yaw), y=robot.y + speed * math.sin(yaw))
+        robot.x, robot.y, robot.yaw = _driven(robot.x, robot.y, robot.yaw, speed, turn)
         self._way_m = speed
 
     def _bumped(self, sim: Simulation) -> bool:
         return bool(sim.sensors["FRONT_SCANNER"].range_m.min() < self._radius_m)
 
     def _earned(self, sim: Simulation) -> float:
-        return -10.0 if self._bumped(sim) else self._way_m
+        return _BUMP if self._bumped(sim) else self._way_m
+
+
+class DriveVectorEnv(SceneVectorEnv):
+    """Many DriveEnv with a ScanObservation, or with a CameraObservation of each of `cameras`."""
+
+    def __init__(self, num_envs: int, *, radius_m: float = 0.4, cameras: Sequence[str] = (), reach_m: float = 10.0,
+                 reload: bool = True, max_episode_steps: int | None = None, render_mode: str | None = None,
+                 **settings: Any) -> None:
+        self._radius_m, self._reach_m, self._cameras = radius_m, np.float32(reach_m), tuple(cameras)
+        self._way_m = np.zeros(num_envs)
+        super().__init__(num_envs, scene_of_package("marvin"), sensors=["FRONT_SCANNER", *cameras], reward=self._earned,
+                         ended=self._bumped, reload=reload, max_episode_steps=max_episode_steps, render_mode=render_mode,
+                         **{**_DRIVE, "rate_hz": 10, **settings})
+        self._frame_s = 1 / float(settings.get("rate_hz", 10))
+
+    def begin(self, environments: Sequence[int]) -> None:
+        """Turns the robots to any side."""
+        yaw = self.sims.parameters["R_POSE.yaw"]
+        for i in environments:
+            yaw[i] = self.randoms[i].uniform(-180, 180)
+        self.sims.parameters["R_POSE.yaw"] = yaw
+
+    def apply(self, actions: npt.NDArray[Any], acting: npt.NDArray[np.bool_]) -> None:
+        """Moves the robots by speed and turn."""
+        speed, turn = actions.T.astype(np.float64) * self._frame_s
+        x, y, yaw = (self.sims.parameters[f"R_POSE.{name}"] for name in ("x", "y", "yaw"))
+        for name, old, new in zip(("x", "y", "yaw"), (x, y, yaw), _driven(x, y, yaw, speed, turn)):
+            self.sims.parameters[f"R_POSE.{name}"] = np.where(acting, new, old)
+        self._way_m = speed
+
+    def _bumped(self, sims: VectorSimulation) -> npt.NDArray[np.bool_]:
+        bumped: npt.NDArray[np.bool_] = sims.outputs["FRONT_SCANNER.range_m"].min(axis=(1, 2)) < self._radius_m
+        return bumped
+
+    def _earned(self, sims: VectorSimulation) -> npt.NDArray[np.float64]:
+        return np.where(self._bumped(sims), _BUMP, self._way_m)
+
+    def _observations(self) -> Observations:
+        seen = {name: np.array(self.sims.outputs[f"{name}.rgb"]) for name in self._cameras}
+        if not seen:
+            seen["FRONT_SCANNER"] = np.minimum(self.sims.outputs["FRONT_SCANNER.range_m"], self._reach_m)
+        return {**super()._observations(), **seen}
+
+    def _spaces(self) -> dict[str, spaces.Space[Any]]:
+        own = super()._spaces()
+        if not self._cameras:
+            own["FRONT_SCANNER"] = spaces.Box(0, float(self._reach_m), own["FRONT_SCANNER"].shape, np.float32)
+        return own
 
 
 class _SensorObservation(gymnasium.ObservationWrapper[Observation, Action, Observation], RecordConstructorArgs):
@@ -221,11 +284,17 @@ def _drive_by_camera(**settings: Any) -> gymnasium.Env[Observation, Action]:
     return CameraObservation(DriveEnv(cameras=["ROBOT_CAM"], **settings), "ROBOT_CAM")
 
 
+def _many_drive_by_camera(num_envs: int, **settings: Any) -> DriveVectorEnv:
+    return DriveVectorEnv(num_envs, cameras=["ROBOT_CAM"], **settings)
+
+
 def register_envs() -> None:
     """Registers simvis/Scene-v0, simvis/Drive-v0 and simvis/DriveByCamera-v0, as the import of this module does."""
-    for name, function, frames in (("Scene-v0", "SceneEnv", None), ("Drive-v0", "_drive", 200),
-                                   ("DriveByCamera-v0", "_drive_by_camera", 200)):
-        gymnasium.register(f"simvis/{name}", entry_point=f"simvis.gym:{function}", max_episode_steps=frames)
+    for name, one, many, frames in (("Scene-v0", "SceneEnv", "SceneVectorEnv", None),
+                                    ("Drive-v0", "_drive", "DriveVectorEnv", 200),
+                                    ("DriveByCamera-v0", "_drive_by_camera", "_many_drive_by_camera", 200)):
+        gymnasium.register(f"simvis/{name}", entry_point=f"simvis.gym:{one}", vector_entry_point=f"simvis.gym:{many}",
+                           max_episode_steps=frames)
 
 
 register_envs()

@@ -55,6 +55,7 @@ const std::set<std::string> kProgramNames = {
     "ThreadPool::run_in_background",
     "beam_following_effect",
     "built_scene",
+    "call_environments_by",
     "command_inputs",
     "compare_recording",
     "compare_recording_file",

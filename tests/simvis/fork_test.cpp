@@ -7,11 +7,13 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 
 #include <simvis/simulation.h>
+#include <simvis/vector_simulation.h>
 #include "tests/support/error_of.h"
 #include "tests/support/wall_scene.h"
 
@@ -77,6 +79,27 @@ TEST_CASE("in a forked process the parent's simulation and new ones are refused,
         }) == 7);
   simulation->step();
   CHECK(simulation->scan("SCAN").range_m == before);
+}
+
+TEST_CASE("in a forked process the parent's environments are refused, and end without a wait") {
+  const TemporaryFolder folder;
+  const std::filesystem::path scene = write_wall_scene(folder.path(), kForkSensors);
+  SimulationDesc desc;
+  desc.threads = 2;
+  std::optional<VectorSimulation> vector(VectorSimulation::load(scene, 3, desc));
+  vector->step();
+  const std::shared_ptr<Simulation> held = vector->environment(1);
+  CHECK(in_child([&] { return is_refused([&] { vector->step(); }) ? 0 : 1; }) == 0);
+  CHECK(in_child([&] { return is_refused([&] { vector->output("SCAN", "range_m"); }) ? 0 : 1; }) == 0);
+  CHECK(in_child([&] { return is_refused([&] { VectorSimulation::load(scene, 2); }) ? 0 : 1; }) == 0);
+  CHECK(in_child([&] {
+          VectorSimulation moved = std::move(*vector);
+          vector.reset();
+          moved = VectorSimulation(std::move(moved));
+          return 7;
+        }) == 7);
+  vector->step();
+  CHECK(held->last_frame()->index == 1);
 }
 
 TEST_CASE("a frame that was under way at the fork belongs to the parent") {

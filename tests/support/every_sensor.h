@@ -86,26 +86,30 @@ struct Surroundings {
   SimulationDesc desc{};
 };
 
+/// The text of a scene with a sensor S of this type; its files are written to `folder`.
+inline std::string scene_text_of(std::string_view type, const std::string& attributes, const TemporaryFolder& folder,
+                                 const Surroundings& around = {}) {
+  const std::string sensor = around.before + sensor_xml(type, attributes) + around.after;
+  if (type == "contact") {
+    return kPhysics + ground() + body("BOX", "shape='box' size='0.4 0.3 0.2' pose_offset='1 2 0.1 0 0 0'", "mass='3'") +
+           sensor;
+  }
+  if (type != "force_torque") return scene_with(sensor);
+  std::ofstream(folder.path() / "arm.urdf")
+      << "<robot name='a'><link name='base'>" + inertial(1, "0 0 0", 0.02) + "</link><link name='upper'>" +
+             inertial(1, "0.2 0 0", 0.02) +
+             "</link><joint name='j' type='revolute'><parent link='base'/><child link='upper'/><axis xyz='0 1 0'/>"
+             "<limit lower='-1' upper='1' effort='500' velocity='1'/></joint></robot>";
+  return kPhysics +
+         "<part name='BOX' insert_at='ROOT' file='arm.urdf'/>"
+         "<element type='robot' name='ARM' insert_at='BOX' base='fixed'/>" +
+         sensor;
+}
+
 /// A scene with a sensor S of this type, before its first frame.
 inline Simulation scene_of(std::string_view type, const std::string& attributes, const Surroundings& around = {}) {
-  const std::string sensor = around.before + sensor_xml(type, attributes) + around.after;
-  std::string xml = scene_with(sensor);
   const TemporaryFolder folder;
-  if (type == "contact") {
-    xml = kPhysics + ground() + body("BOX", "shape='box' size='0.4 0.3 0.2' pose_offset='1 2 0.1 0 0 0'", "mass='3'") +
-          sensor;
-  } else if (type == "force_torque") {
-    std::ofstream(folder.path() / "arm.urdf")
-        << "<robot name='a'><link name='base'>" + inertial(1, "0 0 0", 0.02) + "</link><link name='upper'>" +
-               inertial(1, "0.2 0 0", 0.02) +
-               "</link><joint name='j' type='revolute'><parent link='base'/><child link='upper'/><axis xyz='0 1 0'/>"
-               "<limit lower='-1' upper='1' effort='500' velocity='1'/></joint></robot>";
-    xml = kPhysics +
-          "<part name='BOX' insert_at='ROOT' file='arm.urdf'/>"
-          "<element type='robot' name='ARM' insert_at='BOX' base='fixed'/>" +
-          sensor;
-  }
-  return Simulation::from_string(xml, around.desc, folder.path());
+  return Simulation::from_string(scene_text_of(type, attributes, folder, around), around.desc, folder.path());
 }
 
 /// Makes three frames, in which the robot moves.
