@@ -12,6 +12,10 @@ namespace {
 // A position is a float32, which has been rounded once; a transform is a product of matrices of double.
 constexpr double kFloatRounding = 0x1p-24, kDoubleRounding = 0x1p-48;
 
+// In cells. Coordinates that are rounded by more count as they are: otherwise coarse meshes far from their origin would
+// pass through no cell.
+constexpr double kMaxRounding = 1.0 / 64;
+
 // A row of the frame of a shape, whose z axis is the shape's, for each axis of the mesh.
 glm::dmat3 shape_from_mesh(int axis) {
   glm::dmat3 matrix(0.0);
@@ -68,7 +72,8 @@ class ItemSurfaces {
     }
   }
 
-  void visit_triangle(const std::array<glm::dvec3, 3>& positions, const glm::dvec3& rounding) {
+  void visit_triangle(const std::array<glm::dvec3, 3>& positions, glm::dvec3 rounding) {
+    rounding = glm::min(rounding, kMaxRounding);
     CellTriangle placed{.rounding = rounding};
     for (std::size_t k = 0; k < 3; ++k) placed.corners[k] = in_cells(positions[k]);
     if (is_mirrored_) std::swap(placed.corners[1], placed.corners[2]);
@@ -124,8 +129,8 @@ class ItemSurfaces {
     solid.shape_from_cells = turn * mesh_from_cells_;
     solid.offset = -(solid.shape_from_cells * center);
     const glm::dvec3 reach = reach_of(solid, cells_from_shape);
-    solid.rounding = largest(float_rounding(middle) + transform_rounding(middle) +
-                             kDoubleRounding * (reach + glm::dvec3(frame_.size)));
+    solid.rounding = largest_rounding(float_rounding(middle) + transform_rounding(middle) +
+                                      kDoubleRounding * (reach + glm::dvec3(frame_.size)));
     const glm::dvec3 inner = glm::max(reach - solid.rounding, glm::dvec3(0));
     visitor_.solid(solid, {center - inner, center + inner});
   }
@@ -138,7 +143,7 @@ class ItemSurfaces {
     return solid.radius * glm::sqrt(across) + solid.half_length * z;
   }
 
-  static double largest(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
+  static double largest_rounding(const glm::dvec3& v) { return std::min(std::max({v.x, v.y, v.z}), kMaxRounding); }
 
   void visit_cloud() {
     for (const std::uint32_t vertex : mesh_.indices) {
@@ -156,7 +161,7 @@ class ItemSurfaces {
     if (!(length > 0)) return;
     CellDisc disc{.radius = radius, .mesh_from_cells = mesh_from_cells_, .normal = normal / length};
     disc.offset = -(mesh_from_cells_ * in_cells(position));
-    disc.rounding = largest(float_rounding(position) + transform_rounding(position));
+    disc.rounding = largest_rounding(float_rounding(position) + transform_rounding(position));
     disc = settle(disc);
     const glm::dvec3 center = -(cells_from_mesh_ * disc.offset);
     const glm::dvec3 x = cells_from_mesh_[0], y = cells_from_mesh_[1], z = cells_from_mesh_[2];

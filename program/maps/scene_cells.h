@@ -3,7 +3,8 @@
 // What counts    visible shapes, whatever they look like: glass and what a mask cuts out too. Not: materials of opacity
 //                0, lines, points that no beam hits, Gaussian splats, and items that are left out.
 // Exactness      triangles as they stand in the draw list; round shapes, points of clouds and planes as rays meet them.
-//                program/maps/cell_overlap.h says when a surface passes through a cell.
+//                program/maps/cell_overlap.h says when a surface passes through a cell. Rounding counts up to
+//                a 64th of a cell.
 // Cells          Cell (i, j, k) reaches from i to i + 1 times the resolution along each axis of the world, so that maps
 //                of one resolution have the same cells.
 #pragma once

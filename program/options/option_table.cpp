@@ -231,7 +231,7 @@ constexpr OptionSpec kOptions[] = {
      .names = "--export-resolution",
      .target = at<&Options::export_resolution_m>,
      .value = "M",
-     .text = "with `--export` of a map: the side of a cell in metres",
+     .text = "side of a cell of a map, in metres",
      .needs = "--export",
      .check = Check::above_zero,
      .changes_no_result = true},
@@ -239,9 +239,8 @@ constexpr OptionSpec kOptions[] = {
      .names = "--export-heights",
      .target = at<&Options::export_heights>,
      .value = "LOW,HIGH",
-     .text =
-         "with `--export` of a map: what lies between these heights, in metres; otherwise between 0.1 and 1 in a map "
-         "of ROS, and everything in a voxel grid",
+     .text = "a map has what lies between these heights, in metres; otherwise between 0.1 and 1 in a map of ROS, and "
+             "everything in a voxel grid",
      .needs = "--export",
      .check = Check::not_empty,
      .changes_no_result = true},
@@ -249,7 +248,7 @@ constexpr OptionSpec kOptions[] = {
      .names = "--export-area",
      .target = at<&Options::export_area>,
      .value = "X0,Y0,X1,Y1",
-     .text = "with `--export` of a map: from these coordinates to those, in metres; otherwise around all shapes",
+     .text = "a map reaches from these coordinates to those, in metres; otherwise around all shapes",
      .needs = "--export",
      .check = Check::not_empty,
      .changes_no_result = true},
@@ -257,9 +256,8 @@ constexpr OptionSpec kOptions[] = {
      .names = "--export-start",
      .target = at<&Options::export_start>,
      .value = "X,Y[,Z]",
-     .text =
-         "with `--export` of a map: cells that cannot be reached from here are unknown; otherwise all are free that "
-         "are not occupied",
+     .text = "cells of a map that cannot be reached from here are unknown; otherwise all are free that "
+             "are not occupied",
      .needs = "--export",
      .check = Check::not_empty,
      .changes_no_result = true},
@@ -267,7 +265,7 @@ constexpr OptionSpec kOptions[] = {
      .names = "--export-ignore",
      .target = at<&Options::export_ignore>,
      .value = "NAME,...",
-     .text = "with `--export` of a map: leave out these parts, links or models, such as the robot; names, paths or "
+     .text = "a map leaves out these parts, links or models, such as the robot; names, paths or "
              "patterns, as in the attribute `ignore` of sensors",
      .needs = "--export",
      .check = Check::not_empty,

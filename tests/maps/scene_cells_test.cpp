@@ -89,6 +89,17 @@ TEST_CASE("far from the origin cells are as exact as doubles are") {
         shell({8000000, -16000004, 0}, {8000004, -16000000, 4}));
 }
 
+TEST_CASE("meshes with coordinates that are rounded by more than a cell are mapped as they are") {
+  // Floats near 10^6 are 1/16 apart, and cells are 1/20.
+  DrawList list = list_of(box_at("0.5 0.5 0.5", "0 0 0 0 0 0"));
+  Mesh far = *list.meshes.at(list.items.at(0).mesh);
+  for (glm::vec3& position : far.positions) position.x += 1e6f;
+  compute_bounds(far);
+  list.meshes[list.items[0].mesh] = std::make_shared<const Mesh>(far);
+  const Cells cells = voxels_of(list, 0.05);
+  CHECK(cells == shell({19999995, -5, -5}, {20000005, 5, 5}));
+}
+
 TEST_CASE("mirrored boxes occupy the same cells as boxes that are not") {
   DrawList list = list_of(box_at("0.5 0.3 0.7", "0 0 0 0 0 0"));
   for (const double way : {1.0, -1.0}) {
