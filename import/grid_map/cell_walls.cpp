@@ -1,96 +1,166 @@
 #include "import/grid_map/cell_walls.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <tuple>
 #include <utility>
 
 namespace simvis {
 namespace {
 
-// Occupied sides in one row of a slice, and the row in which equal ones begin.
+using Row = std::vector<std::uint64_t>;
+
+// Sides in a line, from cell to cell of one row; `slice` is the layer of cells that has them. Equal runs of the rows
+// before it are one rectangle with this one, from `begin_row` on.
 struct Run {
-  int first = 0, end = 0, begin_row = 0;
+  int slice = 0, first = 0, end = 0, begin_row = 0;
+
+  bool comes_before(const Run& other) const {
+    return std::tie(slice, first, end) < std::tie(other.slice, other.first, other.end);
+  }
 };
+
+// The first cell from `from` on whose bit is `value`; the number of bits if there is none.
+int next_cell(const Row& row, int from, bool value) {
+  constexpr auto kBits = CellGrid::kWordBits;
+  std::size_t word = static_cast<std::size_t>(from) / kBits;
+  if (word >= row.size()) return static_cast<int>(row.size() * kBits);
+  const auto bits = [&](std::size_t i) { return value ? row[i] : ~row[i]; };
+  std::uint64_t left = bits(word) & (~std::uint64_t{0} << static_cast<unsigned>(from) % kBits);
+  while (left == 0 && ++word < row.size()) left = bits(word);
+  return static_cast<int>(word * kBits) + (word < row.size() ? std::countr_zero(left) : 0);
+}
 
 class CellWalls {
  public:
   CellWalls(const CellGrid& grid, const glm::dvec3& cell_m, double texture_m)
-      : grid_(grid), cell_m_(cell_m), texture_m_(texture_m) {
+      : grid_(grid),
+        cell_m_(cell_m),
+        texture_m_(texture_m),
+        size_(grid.size()),
+        words_((grid.size().x + CellGrid::kWordBits - 1) / CellGrid::kWordBits) {
     mesh_.name = "grid_map";
   }
 
   std::optional<Mesh> run() {
-    for (const int axis : {1, 0, 2}) {
-      for (const int way : {-1, 1}) {
-        for (int slice = 0; slice < static_cast<int>(grid_.size()[axis]); ++slice) add_slice(axis, way, slice);
-      }
-    }
+    for (const int way : {-1, 1}) add_sides_along_x(1, way);
+    for (const int way : {-1, 1}) add_sides_along_y(way);
+    for (const int way : {-1, 1}) add_sides_along_x(2, way);
     if (rectangles_ > kMaxWallRectangles) return std::nullopt;
     compute_bounds(mesh_);
     return std::move(mesh_);
   }
 
  private:
-  // Sides of the cells of one slice that face along the axis (`way` 1) or against it (-1).
-  void add_slice(int axis, int way, int slice) {
-    const int rows = static_cast<int>(grid_.size()[(axis + 2) % 3]);
-    std::vector<Run> open;
-    for (int row = 0; row <= rows && rectangles_ <= kMaxWallRectangles; ++row) {
-      std::vector<Run> here;
-      if (row < rows) here = runs_of_row(axis, way, slice, row);
-      auto same = here.begin();
-      for (const Run& run : open) {
-        while (same != here.end() && same->first < run.first) ++same;
-        if (same != here.end() && same->first == run.first && same->end == run.end) {
-          same->begin_row = run.begin_row;
-        } else {
-          add_rectangle(axis, way, way > 0 ? slice + 1 : slice, {run.first, run.begin_row}, {run.end, row});
+  // Sides across y or z, in runs along x.
+  void add_sides_along_x(int axis, int way) {
+    const int across = 3 - axis;
+    for (int slice = 0; slice < size_[axis]; ++slice) {
+      std::vector<Run> open;
+      for (int row = 0; row <= size_[across] && rectangles_ <= kMaxWallRectangles; ++row) {
+        std::vector<Run> here;
+        if (row < size_[across]) {
+          const Row sides = axis == 1 ? sides_of(axis, way, slice, row) : sides_of(axis, way, row, slice);
+          for (int x = 0; (x = next_cell(sides, x, true)) < size_.x;) {
+            const int end = next_cell(sides, x, false);
+            here.push_back({slice, x, end, row});
+            x = end;
+          }
         }
+        join(open, std::move(here), axis, way, row);
       }
-      open = std::move(here);
     }
   }
 
-  std::vector<Run> runs_of_row(int axis, int way, int slice, int row) const {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3, cells = static_cast<int>(grid_.size()[u]);
-    std::vector<Run> runs;
-    glm::ivec3 cell;
-    cell[axis] = slice;
-    cell[v] = row;
-    bool in_run = false;
-    for (int i = 0; i < cells; ++i) {
-      cell[u] = i;
-      const bool has = has_side(cell, axis, way);
-      if (has && !in_run) runs.push_back({i, i, row});
-      if (has) runs.back().end = i + 1;
-      in_run = has;
+  // Sides across x, in runs along y.
+  void add_sides_along_y(int way) {
+    std::vector<Run> open;
+    std::vector<int> begin(static_cast<std::size_t>(size_.x));
+    for (int z = 0; z <= size_.z && rectangles_ <= kMaxWallRectangles; ++z) {
+      std::vector<Run> here;
+      Row before(words_);
+      for (int y = 0; z < size_.z && y <= size_.y; ++y) {
+        const Row sides = sides_of(0, way, y, z);
+        Row changes(words_);
+        for (std::size_t i = 0; i < words_; ++i) changes[i] = before[i] ^ sides[i];
+        for (int x = 0; (x = next_cell(changes, x, true)) < size_.x; ++x) {
+          int& first = begin[static_cast<std::size_t>(x)];
+          if (next_cell(sides, x, true) != x) here.push_back({x, first, y, z});
+          first = y;
+        }
+        before = sides;
+      }
+      std::ranges::sort(here, [](const Run& a, const Run& b) { return a.comes_before(b); });
+      join(open, std::move(here), 0, way, z);
     }
-    return runs;
   }
 
-  bool has_side(const glm::ivec3& cell, int axis, int way) const {
-    if (!grid_.at(cell)) return false;
-    glm::ivec3 beside = cell;
-    beside[axis] += way;
-    return !grid_.at(beside) || (axis == 0 && way < 0 && is_enclosed(cell));
+  // The cells of a row, of which none lies outside of the grid.
+  Row cells_of(int y, int z) const {
+    const std::span<const std::uint64_t> row = grid_.row(y, z);
+    return row.empty() ? Row(words_) : Row(row.begin(), row.end());
   }
 
-  bool is_enclosed(const glm::ivec3& c) const {
-    return grid_.at({c.x - 1, c.y, c.z}) && grid_.at({c.x + 1, c.y, c.z}) && grid_.at({c.x, c.y - 1, c.z}) &&
-           grid_.at({c.x, c.y + 1, c.z});
+  // For each cell of a row, whether the one beside it along x is occupied.
+  Row beside(const Row& row, int way) const {
+    constexpr auto kLast = CellGrid::kWordBits - 1;
+    Row moved(words_);
+    for (std::size_t i = 0; i < words_; ++i) {
+      const std::uint64_t next = i + 1 < words_ ? row[i + 1] : 0, last = i > 0 ? row[i - 1] : 0;
+      moved[i] = way > 0 ? row[i] >> 1 | next << kLast : row[i] << 1 | last >> kLast;
+    }
+    return moved;
   }
 
-  // A rectangle from `low` to `high` along the two axes that follow `axis` in cyclic order, in cells.
-  void add_rectangle(int axis, int way, int line, const glm::ivec2& low, const glm::ivec2& high) {
+  // The cells of a row that have a side towards `way` along the axis.
+  Row sides_of(int axis, int way, int y, int z) const {
+    Row row = cells_of(y, z);
+    const Row other = axis == 0 ? beside(row, way) : axis == 1 ? cells_of(y + way, z) : cells_of(y, z + way);
+    const bool keeps_enclosed = axis == 0 && way < 0;
+    Row enclosed(words_);
+    if (keeps_enclosed) enclosed = enclosed_of(row, y, z);
+    for (std::size_t i = 0; i < words_; ++i) row[i] &= ~other[i] | enclosed[i];
+    return row;
+  }
+
+  // The cells of a row with four occupied ones around them.
+  Row enclosed_of(Row row, int y, int z) const {
+    for (const Row& other : {beside(row, -1), beside(row, 1), cells_of(y - 1, z), cells_of(y + 1, z)}) {
+      for (std::size_t i = 0; i < words_; ++i) row[i] &= other[i];
+    }
+    return row;
+  }
+
+  // Goes on with the rectangles that have an equal run in the next row, and adds the others. Both lists are sorted.
+  void join(std::vector<Run>& open, std::vector<Run> here, int axis, int way, int row) {
+    auto same = here.begin();
+    for (const Run& run : open) {
+      while (same != here.end() && same->comes_before(run)) ++same;
+      if (same != here.end() && !run.comes_before(*same)) {
+        same->begin_row = run.begin_row;
+      } else {
+        add_rectangle(axis, way, run, row);
+      }
+    }
+    open = std::move(here);
+  }
+
+  // The run and its rows up to `end_row`.
+  void add_rectangle(int axis, int way, const Run& run, int end_row) {
     if (++rectangles_ > kMaxWallRectangles) return;
+    const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     const auto corner = [&](int along_u, int along_v) {
       glm::ivec3 cell;
-      cell[axis] = line;
-      cell[(axis + 1) % 3] = along_u;
-      cell[(axis + 2) % 3] = along_v;
+      cell[axis] = way > 0 ? run.slice + 1 : run.slice;
+      cell[u] = along_u;
+      cell[v] = along_v;
       return glm::dvec3(cell) * cell_m_;
     };
-    std::array corners = {corner(low.x, low.y), corner(high.x, low.y), corner(high.x, high.y), corner(low.x, high.y)};
-    if (way < 0) std::swap(corners[1], corners[3]);
+    std::array corners = {corner(run.first, run.begin_row), corner(run.end, run.begin_row), corner(run.end, end_row),
+                          corner(run.first, end_row)};
+    const bool is_forward = axis != 1;  // u, v and the axis are a right-handed frame
+    if ((way > 0) != is_forward) std::swap(corners[1], corners[3]);
     glm::vec3 normal(0);
     normal[axis] = static_cast<float>(way);
     const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
@@ -111,6 +181,8 @@ class CellWalls {
   const CellGrid& grid_;
   glm::dvec3 cell_m_;
   double texture_m_;
+  glm::ivec3 size_;
+  std::size_t words_;  // of a row
   Mesh mesh_;
   std::size_t rectangles_ = 0;
 };

@@ -5,13 +5,14 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <simvis/mesh.h>
 
 namespace simvis {
 
-/// The largest number of cells of a grid: a square of 16384 cells, 32 MB.
+/// The largest number of cells of a grid: a square of 16384 cells on a side, 32 MB.
 inline constexpr std::size_t kMaxGridCells = std::size_t{1} << 28;
 
 /// Cells of a regular grid; z is up. A map has one layer.
@@ -19,22 +20,31 @@ class CellGrid {
  public:
   /// No cell is occupied. `size` has at most kMaxGridCells cells.
   explicit CellGrid(const glm::uvec3& size)
-      : size_(size), occupied_(std::size_t{size.x} * size.y * std::size_t{size.z}) {}
+      : size_(size),
+        row_words_((size.x + kWordBits - 1) / kWordBits),
+        words_(std::size_t{row_words_} * size.y * size.z) {}
 
   const glm::uvec3& size() const { return size_; }
-  /// Cells outside of the grid are free.
-  bool at(const glm::ivec3& cell) const {
-    const glm::uvec3 c(cell);  // a negative number becomes a large one
-    return c.x < size_.x && c.y < size_.y && c.z < size_.z && occupied_[index(c)];
-  }
   /// The cell is within the grid.
-  void occupy(const glm::uvec3& cell) { occupied_[index(cell)] = true; }
+  void occupy(const glm::uvec3& cell) {
+    words_[row_index(cell.y, cell.z) + cell.x / kWordBits] |= std::uint64_t{1} << cell.x % kWordBits;
+  }
+  /// A bit for each cell of a row along x, the lowest of the first word first; bits behind the row are 0. Empty: the
+  /// row is not within the grid.
+  std::span<const std::uint64_t> row(int y, int z) const {
+    const auto row_y = static_cast<std::uint32_t>(y), row_z = static_cast<std::uint32_t>(z);  // negative: a large one
+    if (row_y >= size_.y || row_z >= size_.z) return {};
+    return std::span(words_).subspan(row_index(row_y, row_z), row_words_);
+  }
+
+  static constexpr std::uint32_t kWordBits = 64;
 
  private:
-  std::size_t index(const glm::uvec3& c) const { return (std::size_t{c.z} * size_.y + c.y) * size_.x + c.x; }
+  std::size_t row_index(std::uint32_t y, std::uint32_t z) const { return (std::size_t{z} * size_.y + y) * row_words_; }
 
   glm::uvec3 size_;
-  std::vector<bool> occupied_;
+  std::uint32_t row_words_;
+  std::vector<std::uint64_t> words_;
 };
 
 /// A building of 50,000 rooms has fewer. They take 250 MB; a picture of some kilobytes could have 500 times as many.

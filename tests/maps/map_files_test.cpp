@@ -130,7 +130,7 @@ SceneCells noisy_map(const glm::ivec3& first, const glm::uvec3& size, double res
   for (std::uint32_t z = 0; z < size.z; ++z) {
     for (std::uint32_t y = 0; y < size.y; ++y) {
       for (std::uint32_t x = 0; x < size.x; ++x) {
-        const bool is_solid = x > 3 && x < 11 && y > 2 && y < 10 && (size.z == 1 || (z > 1 && z < 8));
+        const bool is_solid = x > 3 && x + 4 < size.x && y > 2 && y < 10 && (size.z == 1 || (z > 1 && z < 8));
         if (is_solid || random() % 3 == 0) map.states[map.index({x, y, z})] = kOccupied;
       }
     }
@@ -143,9 +143,9 @@ TEST_CASE("maps give the same cells when they are read back as parts") {
     CAPTURE(resolution_m);
     for (const glm::ivec3& first : {glm::ivec3(0), {-31, 17, -5}, {10007, -20011, 303}}) {
       CAPTURE(first.x);
-      SceneCells flat = noisy_map({first.x, first.y, 0}, {40, 30, 1}, resolution_m);
+      SceneCells flat = noisy_map({first.x, first.y, 0}, {150, 30, 1}, resolution_m);
       check_round_trip(flat, MapFormat::ros_map, "map.yaml");
-      const SceneCells voxels = noisy_map(first, {14, 13, 11}, resolution_m);
+      const SceneCells voxels = noisy_map(first, {70, 13, 11}, resolution_m);
       check_round_trip(voxels, MapFormat::voxels, "map.npz");
       check_round_trip(voxels, MapFormat::octomap, "map.bt");
     }
