@@ -8,6 +8,7 @@ set(sanitized_modules
     fuzz         # corpora of all readers of foreign bytes
     import       # part files
     live         # requests of browsers, threads
+    maps         # grids of strangers; indices of cells
     messages     # recordings, messages of strangers
     public       # plug-ins; simulations on several threads
     scenegraph   # scene files; parts that scenes share and drop

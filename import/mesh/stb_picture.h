@@ -12,7 +12,7 @@ namespace simvis {
 /// Decides by the first bytes.
 bool is_png_or_jpeg(std::span<const std::uint8_t> bytes);
 
-/// Decodes a picture file in memory to RGBA8: PNG, JPEG, and TGA, BMP, PSD, GIF, HDR and PNM, which stb_image reads
+/// Decodes a picture file in memory to RGBA8: PNG, JPEG, and TGA, BMP, PSD, GIF and HDR, which stb_image reads
 /// less carefully, so that only a helper program may pass them to this function. Of several pictures the first is read.
 /// Name and sampler keep their defaults. `subject` begins every message. Throws InputError if the file is of another
 /// kind, is broken or has more than 16384 pixels on a side.

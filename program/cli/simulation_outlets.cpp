@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "program/cli/load_scene.h"
+#include "program/maps/map_files.h"
 #include "program/output/atomic_file.h"
 
 namespace simvis {
@@ -67,6 +68,9 @@ void require_replaceable(const Options& options) {
   for (const std::string& each : options.record_pcap) require("--record-pcap", sensor_and_rest(each).second);
   require("--record", options.record);
   require("--export", options.export_file);
+  if (const std::optional<MapFormat> format = map_format_of(options.export_file)) {
+    for (const std::filesystem::path& each : files_of_map(options.export_file, *format)) require("--export", each);
+  }
   require("--page", options.page);
   require("--save-state", options.save_state);
   require("--profile", options.profile);

@@ -5,8 +5,10 @@
 #include <simvis/diagnostics.h>
 #include "engine/base/result_lock.h"
 #include "program/cli/load_scene.h"
+#include "program/cli/map_outlet.h"
 #include "program/live/glb_file.h"
 #include "program/live/page_recording.h"
+#include "program/maps/map_files.h"
 #include "program/output/atomic_file.h"
 #include "program/output/new_folders.h"
 
@@ -58,6 +60,8 @@ class PageOutlet : public RunOutlet {
 }  // namespace
 
 std::unique_ptr<RunOutlet> export_outlet(const Options& options, const Simulation& simulation) {
+  require_map_for_map_options(options);
+  if (map_format_of(options.export_file)) return map_outlet(options, simulation);
   std::unique_ptr<RunOutlet> outlet;
   in_option("--export", [&] { outlet = std::make_unique<ExportOutlet>(options.export_file, simulation); });
   return outlet;

@@ -165,12 +165,20 @@ std::vector<std::string> misleading_names(const CLI::App& app) {
   for (const OptionSpec& spec : option_table()) {
     const std::string name(spec.names);
     if (spec.group != OptionGroup::results || !spec.value.starts_with("FILE.") || app.count(name) == 0) continue;
-    const std::string ending(spec.value.substr(spec.value.find('.'), spec.value.find('|') - spec.value.find('.')));
     const std::filesystem::path file = app.get_option(name)->as<std::string>();
     std::error_code error;
     const bool is_other = std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error);
-    if (file.extension() == ending || !file.has_filename() || is_other) continue;
-    warnings.push_back(name + " " + file.string() + ": expected a name that ends with " + ending +
+    if (!file.has_filename() || is_other) continue;
+    std::string endings;
+    bool is_known = false;
+    for (const std::string_view form : words_of(spec.value, "|")) {
+      const std::size_t dot = form.find('.');
+      if (dot == form.npos) continue;
+      is_known = is_known || file.extension() == form.substr(dot);
+      endings += (endings.empty() ? "" : ", ") + std::string(form.substr(dot));
+    }
+    if (is_known) continue;
+    warnings.push_back(name + " " + file.string() + ": expected a name that ends with " + endings +
                        ", by which other programs know the format");
   }
   return warnings;

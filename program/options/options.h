@@ -26,9 +26,9 @@ struct Options {
   SimulationDesc simulation;          ///< the settings that have an option of their own
   std::vector<std::string> datasets;  ///< their formats; empty: the files of a run
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
-                     record, record_policy = "wait", udp, export_file, page, compare, compare_topic, completion,
-                     save_state, restore_state;
-  std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics, record_pcap;
+                     record, record_policy = "wait", udp, export_file, export_heights, export_area, export_start, page,
+                     compare, compare_topic, completion, save_state, restore_state;
+  std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics, record_pcap, export_ignore;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data", dds_node = DdsDesc{}.node;
   bool dds = false;                   ///< --dds is given
@@ -40,7 +40,7 @@ struct Options {
   double real_time = 0;  ///< simulated seconds for each second of the wall clock; 0: as fast as possible
   std::uint64_t frames = 1;
   std::string rate = format_number(SimulationDesc{}.rate_hz);
-  double depth_unit_m = 0.001;
+  double depth_unit_m = 0.001, export_resolution_m = 0.05;
   bool list_devices = false, explain = false, quiet = false;
   bool price = false, summary = false, markdown = false, xsd = false, man = false, fit_pose = false;
   ListOptions list;

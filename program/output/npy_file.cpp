@@ -30,6 +30,19 @@ std::string npy_header(const std::string& type, const std::string& shape) {
 
 std::string shape_of(std::size_t length) { return "(" + std::to_string(length) + ",)"; }
 
+/// A tuple of Python.
+std::string shape_of(std::span<const std::size_t> lengths, std::size_t count) {
+  std::size_t product = 1;
+  std::string text = "(";
+  for (const std::size_t length : lengths) {
+    product *= length;
+    text += std::to_string(length) + ", ";
+  }
+  SIMVIS_ASSERT(product == count);
+  if (!lengths.empty()) text.resize(text.size() - (lengths.size() > 1 ? 2 : 1));
+  return text + ")";
+}
+
 const char* type_name(NumberType type) {
   switch (type) {
     case NumberType::int32:
@@ -115,6 +128,14 @@ std::string encode_npy(const MeasuredArray& image) {
         return array_of<Number>(type_name<Number>(), shape + ")", numbers.numbers());
       },
       image.numbers);
+}
+
+std::string encode_npy(std::span<const std::int8_t> numbers, std::span<const std::size_t> shape) {
+  return array_of<std::int8_t>("'|i1'", shape_of(shape, numbers.size()), numbers);
+}
+
+std::string encode_npy(std::span<const double> numbers, std::span<const std::size_t> shape) {
+  return array_of<double>("'<f8'", shape_of(shape, numbers.size()), numbers);
 }
 
 std::string encode_npz(const TableFrame& table) {

@@ -1,6 +1,9 @@
 // NumPy's formats: one array per .npy file, several in an .npz file.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include <simvis/image.h>
@@ -19,6 +22,10 @@ std::string encode_npy(const Image& plane);
 std::string encode_color_npy(const ImageSpan& color);
 /// An image of any type, rows from the top: shape (height, width), or (height, width, channels) if there are several.
 std::string encode_npy(const MeasuredArray& image);
+
+/// An array of any shape in the order of C, whose numbers are as many as the product of `shape` (asserted).
+std::string encode_npy(std::span<const std::int8_t> numbers, std::span<const std::size_t> shape);
+std::string encode_npy(std::span<const double> numbers, std::span<const std::size_t> shape);
 
 /// One array per column, of float64 or int64, and `frame`, `time_s` and `world_from_sensor` (4 x 4, the translation in
 /// the last column) as further arrays. Compressed.

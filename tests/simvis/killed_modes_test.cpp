@@ -60,6 +60,8 @@ bool is_whole_glb(const std::string& bytes) {
   return bytes.starts_with("glTF") && length == bytes.size();
 }
 
+bool is_whole_map(const std::string& bytes) { return bytes.ends_with("free_thresh: 0.196\n"); }
+
 // A killed recording has no summary; the reader checks all that is there.
 bool is_readable_recording(const std::string& bytes) {
   ros::test::McapReader::read(bytes);
@@ -73,6 +75,7 @@ std::vector<KilledMode> killed_modes() {
       {"results", {"--out", "%/out"}, "out/SCAN.csv", ends_with_line},
       {"page", {"--page", "%/run.html", "--out", "%/out"}, "run.html", is_whole_page},
       {"export", {"--export", "%/scene.glb", "--out", "%/out"}, "scene.glb", is_whole_glb},
+      {"map", {"--export", "%/map.yaml", "--out", "%/out"}, "map.yaml", is_whole_map},
       {"record", {"--record", "%/run.mcap", "--out", "%/out"}, "run.mcap", is_readable_recording},
       {"shard", {"--shard", "1/2", "--out", "%/out"}, "out/SCAN-1-of-2.csv", ends_with_line},
       {"profile", {"--profile", "%/profile.json", "--out", "%/out"}, "out/SCAN.csv", ends_with_line},

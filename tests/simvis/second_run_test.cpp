@@ -42,6 +42,7 @@ std::vector<SharedResult> shared_results() {
           {"record-pcap", {"--out", "%/out", "--record-pcap", "@/r.pcap"}, "r.pcap", ".r.pcap.simvis-lock"},
           {"page", {"--out", "%/out", "--page", "@/r.html"}, "r.html", ".r.html.simvis-lock"},
           {"export", {"--out", "%/out", "--export", "@/r.glb"}, "r.glb", ".r.glb.simvis-lock"},
+          {"map", {"--out", "%/out", "--export", "@/r.yaml"}, "r.yaml", ".r.yaml.simvis-lock"},
           {"profile", {"--out", "%/out", "--profile", "@/r.json"}, "r.json", ".r.json.simvis-lock"},
           {"dataset",
            {"--out", "@/set", "--dataset", "coco", "--sensor", "CAM", "--resume"},

@@ -27,6 +27,7 @@ set(import_shared
     import/mesh/picture_search.cpp
     import/mesh/stb_picture.cpp
     import/mesh/stb_stream.cpp
+    import/mesh/zip_archive.cpp
     import/sandbox/draco_mesh.cpp
     import/sandbox/import_answer.cpp
     import/sandbox/import_limits.cpp
@@ -67,7 +68,7 @@ function(simvis_import_program kind library)
   simvis_helper_program(simvis-import-${kind} ${helper}/import_main.cpp simvis_import_${kind})
 endfunction()
 
-add_library(simvis_any_picture STATIC ${helper}/decode/any_picture.cpp)
+add_library(simvis_any_picture STATIC ${helper}/decode/any_picture.cpp ${helper}/decode/pnm_picture.cpp)
 target_link_libraries(simvis_any_picture PUBLIC simvis_import_shared PkgConfig::webp PkgConfig::tiff tiffxx)
 add_library(simvis_decode STATIC ${helper}/decode/draco_reader.cpp ${helper}/decode/exr_file.cpp
             ${helper}/decode/sky_radiance.cpp)

@@ -6,7 +6,7 @@
 
 #include <simvis/mesh.h>
 #include "engine/base/input_file.h"
-#include "import/programs/collada/zip_archive.h"
+#include "import/mesh/zip_archive.h"
 
 namespace simvis {
 

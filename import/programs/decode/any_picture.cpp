@@ -12,6 +12,7 @@
 
 #include <simvis/error.h>
 #include "import/mesh/stb_picture.h"
+#include "import/programs/decode/pnm_picture.h"
 
 namespace simvis {
 namespace {
@@ -95,6 +96,7 @@ Texture decode_any_picture(std::span<const std::uint8_t> bytes, const std::strin
   }
   if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP")) return decode_webp(bytes, subject);
   if (text.starts_with("II*\0"sv) || text.starts_with("MM\0*"sv)) return decode_tiff(bytes, subject);
+  if (is_pnm(bytes)) return decode_pnm(bytes, subject);
   return decode_with_stb(bytes, subject);
 }
 

@@ -1,4 +1,4 @@
-// The files in a zip archive, for packed COLLADA (.zae).
+// The files in a zip archive: packed COLLADA (.zae), arrays of NumPy (.npz).
 #pragma once
 
 #include <cstddef>

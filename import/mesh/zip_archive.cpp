@@ -1,4 +1,4 @@
-#include "import/programs/collada/zip_archive.h"
+#include "import/mesh/zip_archive.h"
 
 #include <stb_image.h>
 

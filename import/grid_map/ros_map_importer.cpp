@@ -9,20 +9,17 @@
 #include <utility>
 
 #include <simvis/attributes.h>
-#include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/base/input_file.h"
 #include "engine/base/words.h"
-#include "import/grid_map/grid_walls.h"
+#include "import/grid_map/grid_part.h"
 #include "import/mesh/picture_file.h"
-#include "import/mesh/shape_node.h"
 
 namespace simvis {
 namespace {
 
 constexpr double kDefaultOccupied = 0.65;  // of map_server, as are the names of the keys
-constexpr double kMaxCell_m = 1e6;
 
 // The value of a line "KEY: VALUE", and its line.
 struct MapValue {
@@ -60,6 +57,18 @@ class MapFile {
     refuse(key, value, "a number from " + format_number(min) + " to " + format_number(max));
   }
 
+  /// The text of a key that is there.
+  const std::string& text(const char* key) const { return require(key, "a text").text; }
+
+  /// 0 or 1, or a truth value of YAML; false if the key is not there.
+  bool flag(const char* key) const {
+    if (!has(key)) return false;
+    const std::string& value = text(key);
+    if (value == "true" || value == "True" || value == "TRUE") return true;
+    if (value == "false" || value == "False" || value == "FALSE") return false;
+    return number(key, std::nullopt, 0, 1) != 0;
+  }
+
   [[noreturn]] void refuse(const char* key, const MapValue& value, const std::string& expected) const {
     fail_at({.file = file_.string(), .line = static_cast<int>(value.line), .column = 1},
             "key " + in_quotes(key) + ": " + in_quotes(value.text) + " is not allowed, expected " + expected);
@@ -89,18 +98,27 @@ class MapFile {
     return true;
   }
 
+  // What stands in quotation marks; a backslash in double ones stands for the character behind it.
+  static std::string unquoted(std::string_view value) {
+    std::string text;
+    for (std::size_t i = 1; i < value.size() && value[i] != value.front(); ++i) {
+      if (value.front() == '"' && value[i] == '\\' && i + 1 < value.size()) ++i;
+      text += value[i];
+    }
+    return text;
+  }
+
   void read_line(std::string_view text, std::size_t line) {
     if (read_list_line(text)) return;
     const std::size_t colon = text.find(':');
     if (text.empty() || text.front() == '#' || text.front() == ' ' || colon == std::string_view::npos) return;
-    std::string_view value = trimmed(text.substr(colon + 1));
-    if (!value.empty() && (value.front() == '"' || value.front() == '\'')) {
-      const std::size_t end = value.find(value.front(), 1);
-      value = value.substr(1, end == std::string_view::npos ? end : end - 1);
-    } else {
-      value = trimmed(value.substr(0, value.find(" #")));
-    }
-    last_ = values_.emplace(trimmed(text.substr(0, colon)), MapValue{std::string(value), line}).first;
+    const std::string_view value = trimmed(text.substr(colon + 1));
+    const bool is_quoted = !value.empty() && (value.front() == '"' || value.front() == '\'');
+    last_ = values_
+                .emplace(trimmed(text.substr(0, colon)),
+                         MapValue{is_quoted ? unquoted(value) : std::string(trimmed(value.substr(0, value.find(" #")))),
+                                  line})
+                .first;
   }
 
   std::filesystem::path file_;
@@ -122,52 +140,66 @@ glm::dmat4 origin_of(const MapFile& map) {
   return {c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, numbers[0], numbers[1], 0, 1};
 }
 
-OccupancyGrid read_cells(const MapFile& map) {
-  const Texture texture = map.picture();
-  const bool negate = map.number("negate", 0, 0, 1) != 0;
+// How the shades of the picture say what is occupied, in the words of map_server.
+enum class MapMode : std::uint8_t { trinary, scale, raw };
+
+MapMode mode_of(const MapFile& map) {
+  if (!map.has("mode") || map.text("mode") == "trinary") return MapMode::trinary;
+  if (map.text("mode") == "scale") return MapMode::scale;
+  if (map.text("mode") == "raw") return MapMode::raw;
+  map.refuse("mode", map.require("mode", "trinary, scale or raw"), "trinary, scale or raw");
+}
+
+// The probability that a pixel is occupied, as map_server reads it; below 0: unknown. With `trinary`, the alpha of a
+// picture that has transparent pixels counts as a fourth colour.
+class PixelReader {
+ public:
+  PixelReader(const MapFile& map, const Texture& picture) : mode_(mode_of(map)), negate_(map.flag("negate")) {
+    for (std::size_t i = 3; i < picture.rgba.size(); i += 4) has_alpha_ = has_alpha_ || picture.rgba[i] != kOpaque;
+  }
+
+  double occupancy(const std::uint8_t* rgba) const {
+    const int color = rgba[0] + rgba[1] + rgba[2];
+    if (mode_ == MapMode::trinary && has_alpha_) return from_shade((color + rgba[3]) / (4.0 * kOpaque));
+    if (mode_ == MapMode::scale && rgba[3] != kOpaque) return kUnknown;
+    if (mode_ != MapMode::raw) return from_shade(color / (3.0 * kOpaque));
+    const double percent = color / 3.0;
+    return percent <= 100 ? percent / 100 : kUnknown;
+  }
+
+ private:
+  static constexpr int kOpaque = 255;
+  static constexpr double kUnknown = -1;
+
+  double from_shade(double shade) const { return negate_ ? shade : 1 - shade; }
+
+  MapMode mode_;
+  bool negate_, has_alpha_ = false;
+};
+
+CellGrid read_cells(const MapFile& map) {
+  const Texture picture = map.picture();
+  const PixelReader pixels(map, picture);
   const double threshold = map.number("occupied_thresh", kDefaultOccupied, 0, 1);
-  OccupancyGrid grid{texture.width, texture.height, {}};
-  grid.occupied.resize(std::size_t{grid.columns} * grid.rows);
-  for (std::uint32_t row = 0; row < grid.rows; ++row) {
-    for (std::uint32_t column = 0; column < grid.columns; ++column) {
-      const std::uint8_t* const rgba =
-          &texture.rgba[std::size_t{4} * (std::size_t{grid.rows - 1 - row} * grid.columns + column)];
-      const double grey = (rgba[0] + rgba[1] + rgba[2]) / (3 * 255.0);
-      grid.occupied[std::size_t{row} * grid.columns + column] = (negate ? grey : 1 - grey) > threshold;
+  CellGrid grid({picture.width, picture.height, 1});
+  for (std::uint32_t row = 0; row < picture.height; ++row) {
+    for (std::uint32_t column = 0; column < picture.width; ++column) {
+      const std::size_t pixel = std::size_t{picture.height - 1 - row} * picture.width + column;
+      if (pixels.occupancy(&picture.rgba[4 * pixel]) > threshold) grid.occupy({column, row, 0});
     }
   }
   return grid;
 }
 
-PartContent import_grid_map(const ImportRequest& request, ContentPool& pool) {
+PartContent import_ros_map(const ImportRequest& request, ContentPool& pool) {
   const MapFile map(request.file);
-  const double cell_m = map.number("resolution", std::nullopt, 1e-6, kMaxCell_m);
+  const double cell_m = map.number("resolution", std::nullopt, kMinCell_m, kMaxCell_m);
   const glm::dmat4 origin = origin_of(map);
-  std::optional<Mesh> walls = grid_walls(read_cells(map), cell_m, request.wall_height_m);
-  if (!walls) {
-    fail_at({.file = request.file.string()}, "has walls of more than " + std::to_string(kMaxWallRectangles) +
-                                                 " rectangles, expected a map with less noise");
-  }
-  if (walls->indices.empty()) {
-    fail_at({.file = request.file.string()}, "has no occupied cell, so that there is nothing to show");
-  }
-  const auto root = std::make_shared<Separator>();
-  root->name = request.file.stem().string();
-  if (origin != glm::dmat4(1)) root->add(std::make_shared<Transform>(origin));
-  Material material;
-  material.name = "wall";
-  material.double_sided = true;
-  const std::string name = material.name;
-  const auto look = std::make_shared<MaterialNode>(pool.intern(std::move(material)));
-  look->name = name;
-  root->add(look);
-  root->add(shape_node(std::move(*walls), pool));
-  PartContent content;
-  content.root = root;
-  return content;
+  const double height_m = request.wall_height_m;
+  return grid_part(request.file, {read_cells(map), {cell_m, cell_m, height_m}, height_m, origin}, pool);
 }
 
-const PartImporterRegistration grid_map_registration({".yaml", ".yml"}, import_grid_map);
+const PartImporterRegistration ros_map_registration({".yaml", ".yml"}, import_ros_map);
 
 }  // namespace
 }  // namespace simvis

@@ -1,0 +1,157 @@
+#include "program/cli/map_outlet.h"
+
+#include <algorithm>
+#include <deque>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <simvis/diagnostics.h>
+#include <simvis/location.h>
+#include <simvis/pose.h>
+#include "engine/base/assert.h"
+#include "engine/base/result_lock.h"
+#include "engine/base/words.h"
+#include "program/cli/load_scene.h"
+#include "program/maps/map_files.h"
+#include "program/output/atomic_file.h"
+#include "program/output/new_folders.h"
+#include "simvis/built_scene.h"
+
+namespace simvis {
+namespace {
+
+constexpr glm::dvec2 kMapHeights_m(0.1, 1);  // above the floor, and as high as small robots
+constexpr double kMinResolution_m = 1e-4;
+
+[[noreturn]] void refuse(const char* option, const std::string& text, const char* expected) {
+  throw InputError(std::string(option) + ": " + in_quotes(text) + " is not allowed, expected " + expected);
+}
+
+// The numbers of an option, separated by commas. Each is a coordinate in metres.
+std::vector<double> coordinates(const char* option, const std::string& text, std::size_t count, const char* expected) {
+  std::vector<double> numbers;
+  bool is_allowed = true;
+  for (const std::string_view cell : cells_of(text)) {
+    numbers.push_back(0);
+    is_allowed = is_allowed && parse_number(cell, numbers.back()) && std::abs(numbers.back()) <= kMaxCoordinate_m;
+  }
+  if (!is_allowed || numbers.size() != count) refuse(option, text, expected);
+  return numbers;
+}
+
+MapDesc map_desc(const Options& options, MapFormat format) {
+  MapDesc desc{.resolution_m = options.export_resolution_m, .is_flat = format == MapFormat::ros_map};
+  if (desc.resolution_m < kMinResolution_m) {
+    throw InputError("--export-resolution: " + format_number(desc.resolution_m) +
+                     " is not allowed, expected at least " + format_number(kMinResolution_m) + " m");
+  }
+  if (desc.is_flat) desc.heights_m = kMapHeights_m;
+  if (!options.export_heights.empty()) {
+    constexpr const char* kExpected = "LOW,HIGH in metres, the lower one first";
+    const std::vector<double> heights = coordinates("--export-heights", options.export_heights, 2, kExpected);
+    if (heights[0] >= heights[1]) refuse("--export-heights", options.export_heights, kExpected);
+    desc.heights_m = {heights[0], heights[1]};
+  }
+  if (!options.export_area.empty()) {
+    constexpr const char* kExpected = "X0,Y0,X1,Y1 in metres, the lower ones first";
+    const std::vector<double> area = coordinates("--export-area", options.export_area, 4, kExpected);
+    if (area[0] >= area[2] || area[1] >= area[3]) refuse("--export-area", options.export_area, kExpected);
+    desc.area_m = {{area[0], area[1]}, {area[2], area[3]}};
+  }
+  if (!options.export_start.empty()) {
+    const std::size_t count = desc.is_flat ? 2 : 3;
+    const std::vector<double> start =
+        coordinates("--export-start", options.export_start, count, desc.is_flat ? "X,Y in metres" : "X,Y,Z in metres");
+    desc.start_m = {start[0], start[1], desc.is_flat ? 0 : start[2]};
+  }
+  return desc;
+}
+
+class MapOutlet : public RunOutlet {
+ public:
+  MapOutlet(const std::filesystem::path& file, MapFormat format, MapDesc desc, std::vector<std::string> ignored,
+            const Simulation& simulation)
+      : simulation_(simulation),
+        name_(file),
+        format_(format),
+        desc_(std::move(desc)),
+        ignored_(std::move(ignored)),
+        folders_(file.has_parent_path() ? file.parent_path() : ".") {
+    for (const std::filesystem::path& each : files_of_map(file, format)) {
+      locks_.emplace_back(each);
+      files_.emplace_back(each);
+    }
+    in_option("--export-ignore", [this] { ignored_parts(); });
+  }
+
+  void frame(const FrameTime& /*time*/) override { has_frames_ = true; }
+
+  void finish() override {
+    if (!has_frames_) return;
+    in_option("--export", [this] { write(); });
+  }
+
+  bool shows_all_content() const override { return true; }
+
+ private:
+  void write() {
+    const SceneCells map = map_scene(simulation_.diagnostics().draw_list(), left_out(), desc_);
+    const std::vector<MapFileBytes> contents = encode_map(map, name_, format_);
+    SIMVIS_ASSERT(contents.size() == files_.size());
+    for (std::size_t i = 0; i < contents.size(); ++i) files_[i].write(contents[i].bytes);
+    for (AtomicFile& each : files_) each.commit();
+  }
+
+  // The insertion points whose shapes are left out.
+  std::set<std::string> ignored_parts() const {
+    const ObjectTree& objects = built_scene(simulation_).scene.objects();
+    std::set<std::string> parts;
+    for (const std::string& name : ignored_) {
+      std::vector<std::string> unknown;
+      for (const std::uint32_t object : objects.named(name, unknown)) {
+        for (const std::string& part : objects.names_in(object)) parts.insert(part);
+      }
+      if (!unknown.empty()) throw InputError(objects.unknown("part or link", unknown[0]));
+    }
+    return parts;
+  }
+
+  std::vector<bool> left_out() const {
+    const std::set<std::string> parts = ignored_parts();
+    std::vector<bool> left_out;
+    for (const SceneItem& item : simulation_.items()) left_out.push_back(parts.contains(item.part));
+    return left_out;
+  }
+
+  const Simulation& simulation_;
+  std::filesystem::path name_;
+  MapFormat format_;
+  MapDesc desc_;
+  std::vector<std::string> ignored_;
+  NewFolders folders_;  // removed behind the files in them
+  std::deque<ResultLock> locks_;
+  std::deque<AtomicFile> files_;
+  bool has_frames_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<RunOutlet> map_outlet(const Options& options, const Simulation& simulation) {
+  const std::optional<MapFormat> format = map_format_of(options.export_file);
+  SIMVIS_ASSERT(format);
+  MapDesc desc = map_desc(options, *format);
+  return std::make_unique<MapOutlet>(options.export_file, *format, std::move(desc), options.export_ignore, simulation);
+}
+
+void require_map_for_map_options(const Options& options) {
+  const bool is_given = options.export_resolution_m != Options{}.export_resolution_m ||
+                        !options.export_heights.empty() || !options.export_area.empty() ||
+                        !options.export_start.empty() || !options.export_ignore.empty();
+  if (!is_given || map_format_of(options.export_file)) return;
+  throw InputError("--export: " + in_quotes(options.export_file) +
+                   " is no map, which the other options of --export describe, expected a name that ends with .yaml, "
+                   ".npz or .bt");
+}
+
+}  // namespace simvis

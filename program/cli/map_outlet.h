@@ -1,0 +1,20 @@
+// Maps as ground truth: --export of a name that ends with .yaml, .npz or .bt.
+#pragma once
+
+#include <memory>
+
+#include <simvis/simulation.h>
+#include "program/cli/run_outlet.h"
+#include "program/options/options.h"
+
+namespace simvis {
+
+/// The map of the scene after the last frame, see program/maps/map_files.h. Its files appear with finish(), or not at
+/// all; the picture of a ROS map appears before the file that names it. Throws InputError of the options that describe
+/// maps, with the option's name, and as export_outlet().
+std::unique_ptr<RunOutlet> map_outlet(const Options& options, const Simulation& simulation);
+
+/// Throws InputError if an option that describes maps is given and `--export` names no map.
+void require_map_for_map_options(const Options& options);
+
+}  // namespace simvis
