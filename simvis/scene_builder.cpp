@@ -66,7 +66,7 @@ void SceneBuilder::read_needed() {
     if (is_on_ && !is_on_(sensor.name)) continue;
     const SensorType& type = *find_sensor_type(sensor.type);
     const std::string needed_by = "sensor " + in_quotes(sensor.name);
-    if (type.sees_shapes) built_.scene.read_shapes(needed_by);
+    if (type.sees_shapes || sensor.sensor->needs().shapes) built_.scene.read_shapes(needed_by);
     const bool shows_colors = has_content(sensor.outputs, ImageContent::color) || !is_of_the_library(type);
     if (shows_colors) built_.scene.read_pictures(needed_by);
   }

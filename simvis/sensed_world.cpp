@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "elements/gnss_jammer.h"
 #include "elements/joint.h"
 #include "elements/mimic_joint.h"
 #include "engine/base/assert.h"
@@ -152,6 +153,16 @@ class SensedWorlds::World : public SensedWorld {
     return worlds_.physics_ == nullptr ? std::nullopt : worlds_.physics_->load_of(sensed_.needs.load_of);
   }
 
+  bool gnss_is_jammed() const override {
+    SIMVIS_ASSERT(sensed_.needs.gnss_jamming);
+    glm::dmat4 world_from_sensor, world_from_jammer;
+    if (worlds_.jammers_.empty() || !worlds_.flattener_->find_mount(*sensed_.mount, world_from_sensor)) return false;
+    return std::ranges::any_of(worlds_.jammers_, [&](const GnssJammer* const jammer) {
+      return worlds_.flattener_->find_mount(jammer->mount(), world_from_jammer) &&
+             glm::distance(world_from_jammer[3], world_from_sensor[3]) < jammer->range_m();
+    });
+  }
+
  private:
   const SensedWorlds& worlds_;
   const Sensed& sensed_;
@@ -228,6 +239,10 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
     sensed.world = std::make_unique<World>(*this, sensed);
   }
   flattener.watch(std::move(watched));
+  jammers_.clear();
+  for (const std::unique_ptr<Element>& element : scene.elements) {
+    if (const auto* const jammer = dynamic_cast<const GnssJammer*>(element.get())) jammers_.push_back(jammer);
+  }
   follow_physics();
 }
 

@@ -24,6 +24,8 @@
 
 namespace simvis {
 
+class GnssJammer;
+
 /// The world as all sensors of a simulation see it, and its motion from frame to frame.
 class SensedWorlds {
  public:
@@ -122,6 +124,7 @@ class SensedWorlds {
   void follow_moves(Sensed& sensed, const FrameTime& time);
 
   std::map<std::size_t, Sensed> sensed_;     // by BuiltSensor::id
+  std::vector<const GnssJammer*> jammers_;   // of the scene
   std::optional<SceneMotion> scene_motion_;  // empty unless a sensor that is on needs it
   ObjectIds ids_;
   ItemHeatTable heat_;

@@ -213,7 +213,8 @@ void SimulationImpl::archive_sensors(StateArchive& state) {
       state(own.frames, own.world_from_sensor);
       state.set_on(own.enabled);
       // The state names shapes that the sensor has seen by their numbers, also if it has always been off here.
-      if (lacks_shapes && own.frames > 0 && find_sensor_type(sensor.type)->sees_shapes) {
+      const bool sees_shapes = find_sensor_type(sensor.type)->sees_shapes || sensor.sensor->needs().shapes;
+      if (lacks_shapes && own.frames > 0 && sees_shapes) {
         const InputLog log;
         read_postponed_shapes(scene.built.scene, sensor.name);
         inputs.add(log);

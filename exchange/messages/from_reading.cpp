@@ -13,7 +13,7 @@ namespace simvis::ros {
 
 namespace {
 
-constexpr std::uint8_t kKnownDiagonal = 2;
+constexpr std::uint8_t kKnownDiagonal = 2, kKnown = 3;
 constexpr std::int8_t kNoFix = -1, kFix = 0;
 constexpr std::uint16_t kGps = 1;
 /// REP 105: the frame in which a robot's own motion is added up.
@@ -60,6 +60,23 @@ NavSatFix to_fix(const Reading& reading, const Header& header) {
   message.longitude = value_of(reading, "longitude_deg");
   message.altitude = value_of(reading, "altitude_m");
   message.status = {std::isnan(message.latitude) ? kNoFix : kFix, kGps};
+  if (message.status.status == kNoFix) return message;
+  if (const double east = constant_of(reading, "east_variance"); east > 0) {
+    const double east_north = constant_of(reading, "east_north_covariance"),
+                 east_up = constant_of(reading, "east_up_covariance"),
+                 north_up = constant_of(reading, "north_up_covariance");
+    message.position_covariance = {east,
+                                   east_north,
+                                   east_up,
+                                   east_north,
+                                   constant_of(reading, "north_variance"),
+                                   north_up,
+                                   east_up,
+                                   north_up,
+                                   constant_of(reading, "up_variance")};
+    message.position_covariance_type = kKnown;
+    return message;
+  }
   const double horizontal = constant_of(reading, "horizontal_variance");
   message.position_covariance = diagonal(horizontal, horizontal, constant_of(reading, "vertical_variance"));
   message.position_covariance_type = horizontal > 0 ? kKnownDiagonal : 0;
@@ -240,6 +257,9 @@ std::optional<ReadingTopic> reading_topic(std::string_view type) {
 std::optional<ReadingMessage> message_of(const Reading& reading, std::string_view type, const std::string& frame_id) {
   const ReadingMessageType* const found = find_type(type);
   if (found == nullptr || (reading.rows() == 0 && type != PointCloud2::kName)) return std::nullopt;
+  const bool has_no_velocity =
+      type == TwistWithCovarianceStamped::kName && std::isnan(value_of(reading, "velocity_east_m_s"));
+  if (has_no_velocity) return std::nullopt;
   return found->make(found->topic, reading, header_of(reading.time_ns, frame_id));
 }
 

@@ -3,8 +3,12 @@
 //   sensor_msgs/msg/Imu            imu: angular_velocity_{x,y,z}_rad_s, specific_force_{x,y,z}_m_s2;
 //                                  angular_velocity_variance, specific_force_variance; of an orientation qx, qy, qz,
 //                                  qw and orientation_variance
-//   sensor_msgs/msg/NavSatFix      fix: latitude_deg, longitude_deg, altitude_m; horizontal_variance, vertical_variance
-//   geometry_msgs/msg/TwistWithCovarianceStamped  fix_velocity: velocity_{east,north,up}_m_s; velocity_variance
+//   sensor_msgs/msg/NavSatFix      fix: latitude_deg, longitude_deg, altitude_m; horizontal_variance,
+//   vertical_variance;
+//                                  of a fix by satellites {east,north,up}_variance, east_north_covariance,
+//                                  east_up_covariance, north_up_covariance. Status -1 if the latitude is NaN
+//   geometry_msgs/msg/TwistWithCovarianceStamped  fix_velocity: velocity_{east,north,up}_m_s; velocity_variance. None
+//                                  if the velocity is NaN
 //   sensor_msgs/msg/MagneticField  magnetic_field: field_{x,y,z}_t; field_variance
 //   sensor_msgs/msg/FluidPressure  pressure: pressure_pa; pressure_variance
 //   sensor_msgs/msg/Range          range: range_m; field_of_view_rad, range_min_m, range_max_m, radiation_type,
@@ -52,7 +56,7 @@ struct ReadingTopic {
 std::optional<ReadingTopic> reading_topic(std::string_view type);
 
 /// The message of this type from a reading with all columns that the type needs (asserted). Empty if there is none of
-/// this name, or if the reading has no rows.
+/// this name, if the reading has no rows, or if the row has nothing for the message.
 std::optional<ReadingMessage> message_of(const Reading& reading, std::string_view type, const std::string& frame_id);
 
 }  // namespace simvis::ros

@@ -83,11 +83,13 @@ struct SensorNeeds {
   bool scene = false;                ///< SensedWorld::scene(), also before Sensor::skip_frame()
   std::string contacts_of{};         ///< insertion point for SensedWorld::contacts()
   std::string load_of{};             ///< element of type joint for SensedWorld::joint_load()
+  bool gnss_jamming = false;         ///< SensedWorld::gnss_is_jammed()
+  bool shapes = false;               ///< the shapes of the scene for its rays, though its type has sees_shapes false
 
-  /// Whether it is nothing.
+  /// Whether it is nothing of SensedWorld.
   bool none() const {
     return !motion && !item_motion && !item_moves && !item_ids && !objects && !heat && !scene && parts.empty() &&
-           points.empty() && joints_of.empty() && contacts_of.empty() && load_of.empty();
+           points.empty() && joints_of.empty() && contacts_of.empty() && load_of.empty() && !gnss_jamming;
   }
 };
 
@@ -128,6 +130,8 @@ class SIMVIS_API SensedWorld {
   virtual std::optional<std::vector<Contact>> contacts() const = 0;
   /// What the joint carries. Empty if no robot of physics has it.
   virtual std::optional<JointLoad> joint_load() const = 0;
+  /// Whether an element of type gnss_jammer reaches the sensor.
+  virtual bool gnss_is_jammed() const = 0;
 };
 
 }  // namespace simvis

@@ -48,6 +48,7 @@ class Outputs:
     depth_error_bound_m: float
     depth_m: Any
     depth_state: npt.NDArray[np.uint8]
+    direct: npt.NDArray[np.float64]
     direct_lx: float
     disparity: npt.NDArray[np.float32]
     distance_m: npt.NDArray[np.float64]
@@ -55,6 +56,8 @@ class Outputs:
     elevation_deg: npt.NDArray[np.float64]
     elevation_rad: npt.NDArray[np.float64]
     error_bound_m: npt.NDArray[np.float32]
+    error_m: npt.NDArray[np.float64]
+    extra_path_m: npt.NDArray[np.float64]
     field_x_t: float
     field_y_t: float
     field_z_t: float
@@ -69,6 +72,7 @@ class Outputs:
     full_x_min: npt.NDArray[np.float64]
     full_y_max: npt.NDArray[np.float64]
     full_y_min: npt.NDArray[np.float64]
+    hdop: float
     illuminance_lx: float
     in_picture: npt.NDArray[np.float64]
     instance: npt.NDArray[np.uint32]
@@ -109,6 +113,7 @@ class Outputs:
     origin_m: npt.NDArray[np.float64]
     other_instance: Any
     own_instance: Any
+    pdop: float
     picture: npt.NDArray[np.float32]
     picture_pixels: npt.NDArray[np.float64]
     picture_x_max: npt.NDArray[np.float64]
@@ -148,6 +153,9 @@ class Outputs:
     right_semantic: npt.NDArray[np.uint32]
     right_shape: npt.NDArray[np.uint32]
     right_silhouettes: npt.NDArray[np.uint8]
+    satellite: npt.NDArray[np.float64]
+    satellites_used: float
+    satellites_visible: float
     scene_flow: npt.NDArray[np.float32]
     second_intensity: npt.NDArray[np.float64]
     second_range_m: npt.NDArray[np.float64]
@@ -179,11 +187,13 @@ class Outputs:
     true_velocity_y_mps: npt.NDArray[np.float64]
     true_velocity_z_mps: npt.NDArray[np.float64]
     truncated: npt.NDArray[np.float64]
+    used: npt.NDArray[np.float64]
     variance_angular_velocity_z_rad2_s2: float
     variance_velocity_x_m2_s2: float
     variance_x_m2: float
     variance_y_m2: float
     variance_yaw_rad2: float
+    vdop: float
     velocity_east_m_s: float
     velocity_north_m_s: float
     velocity_up_m_s: float

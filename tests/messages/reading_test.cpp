@@ -141,6 +141,48 @@ TEST_CASE("a recording has the own message of each sensor, with the values of th
   CHECK(clouds[1].is_dense);
 }
 
+TEST_CASE("a fix by satellites has the whole covariance, and there is no velocity without a fix") {
+  const TemporaryFolder folder;
+  SimulationDesc desc;
+  desc.rate_hz = 10;
+  Simulation simulation = Simulation::from_string(
+      "<s><part name='ROBOT' insert_at='ROOT'/><element type='gnss_jammer' name='JAM' insert_at='ROBOT' range='0'/>"
+      "<sensor type='gnss' name='GPS' insert_at='ROBOT' satellites='10:20 80:35 140:60 200:15 290:40' "
+      "pseudorange_stddev='2' horizontal_stddev='3' vertical_stddev='4'/></s>",
+      desc);
+  simulation.record({.file = folder / "run.mcap"});
+  simulation.step();
+  simulation.set("JAM", "range", 1);
+  simulation.step();
+  simulation.finish_recording();
+  const McapFile file = McapReader::read(read_text(folder / "run.mcap"));
+  const auto fixes = file.all<ros::NavSatFix>("/GPS/fix");
+  REQUIRE(fixes.size() == 2);
+  glm::dmat3 normal(0);
+  glm::dvec3 mean(0);
+  std::vector<glm::dvec3> sky;
+  for (const auto& [azimuth_deg, elevation_deg] : {std::pair(10, 20), {80, 35}, {140, 60}, {200, 15}, {290, 40}}) {
+    const double a = glm::radians(double(azimuth_deg)), e = glm::radians(double(elevation_deg));
+    sky.emplace_back(std::cos(e) * std::sin(a), std::cos(e) * std::cos(a), std::sin(e));
+    mean += sky.back() / 5.0;
+  }
+  for (const glm::dvec3& each : sky) normal += glm::outerProduct(each - mean, each - mean);
+  glm::dmat3 expected = 4.0 * glm::inverse(normal);
+  for (int i = 0; i < 3; ++i) expected[i][i] += i < 2 ? 9 : 16;
+  CHECK(fixes[0].status.status == 0);
+  CHECK(fixes[0].position_covariance_type == 3);
+  for (std::size_t i = 0; i < 9; ++i) {
+    CHECK(fixes[0].position_covariance[i] == doctest::Approx(expected[int(i / 3)][int(i % 3)]).epsilon(1e-12));
+  }
+  CHECK(fixes[1].status.status == -1);
+  CHECK(fixes[1].position_covariance_type == 0);
+  CHECK(fixes[1].position_covariance[0] == 0);
+  CHECK(std::isnan(fixes[1].altitude));
+  CHECK(file.all<ros::TwistWithCovarianceStamped>("/GPS/fix_velocity").size() == 1);
+  CHECK(file.all<ros::Float64>("/GPS/satellites_used").at(0).data == 5);
+  CHECK(file.all<ros::Float64>("/GPS/satellites_used").at(1).data == 0);
+}
+
 TEST_CASE("ranges out of limits, a lost fix, and readings without rows") {
   const std::vector<TableColumn> columns = {{.name = "range_m", .format = "%.9g"}};
   Reading reading(columns);
@@ -168,6 +210,14 @@ TEST_CASE("ranges out of limits, a lost fix, and readings without rows") {
   const auto lost = std::get<ros::NavSatFix>(ros::message_of(fix, "sensor_msgs/msg/NavSatFix", "G")->message);
   CHECK(lost.status.status == -1);
   CHECK(lost.position_covariance_type == 0);
+  std::vector<TableColumn> of_velocity;
+  for (const char* const name : {"velocity_east_m_s", "velocity_north_m_s", "velocity_up_m_s"}) {
+    of_velocity.push_back({.name = name, .format = "%.9g"});
+  }
+  const std::string twist = "geometry_msgs/msg/TwistWithCovarianceStamped";
+  CHECK(ros::message_of(Reading(of_velocity, {1, 2, 3}), twist, "G"));
+  CHECK_FALSE(
+      ros::message_of(Reading(of_velocity, std::vector(3, std::numeric_limits<double>::quiet_NaN())), twist, "G"));
 }
 
 }  // namespace

@@ -161,7 +161,7 @@ struct NavSatFix {
   double longitude = 0;                         ///< degrees east
   double altitude = 0;                          ///< metres above the ellipsoid of WGS 84
   std::array<double, 9> position_covariance{};  ///< east, north, up; square metres
-  std::uint8_t position_covariance_type = 0;    ///< 0 unknown, 2 known diagonal
+  std::uint8_t position_covariance_type = 0;    ///< 0 unknown, 2 known diagonal, 3 known
 };
 
 struct MagneticField {
