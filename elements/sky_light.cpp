@@ -80,7 +80,9 @@ void SkyLightElement::add_even_lights() {
     lights_.push_back(std::make_shared<LightNode>(Light{.intensity = 4 * std::numbers::pi / desc_.points,
                                                         .direction = -even_point_of_ball(i, desc_.points),
                                                         .shadow_px = desc_.shadows ? desc_.shadow_px : 0,
-                                                        .lamp_points = desc_.points}));
+                                                        .lamp_points = desc_.points,
+                                                        .lamp_point = i,
+                                                        .lamp_shape = LampShape::even_sky}));
   }
 }
 
@@ -88,11 +90,13 @@ void SkyLightElement::add_picture(const ElementContext& context) {
   const auto picture = std::make_shared<const SkyPicture>(read_picture(context, desc_.picture));
   sky_ = std::make_shared<SkyNode>(picture, glm::vec3(mean_radiance(*picture)));
   const std::vector<SkyRegion> regions = cut_sky(*picture, desc_.points);
-  for (const SkyRegion& region : regions) {
-    lights_.push_back(std::make_shared<LightNode>(Light{.color = glm::vec3(region.irradiance),
-                                                        .direction = -region.towards,
+  for (std::uint32_t i = 0; i < regions.size(); ++i) {
+    lights_.push_back(std::make_shared<LightNode>(Light{.color = glm::vec3(regions[i].irradiance),
+                                                        .direction = -regions[i].towards,
                                                         .shadow_px = desc_.shadows ? desc_.shadow_px : 0,
-                                                        .lamp_points = static_cast<std::uint32_t>(regions.size())}));
+                                                        .lamp_points = static_cast<std::uint32_t>(regions.size()),
+                                                        .lamp_point = i,
+                                                        .lamp_shape = LampShape::sky_picture}));
   }
 }
 

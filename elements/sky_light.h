@@ -10,6 +10,7 @@
 // Picture  Its lights have the light of the parts of the picture that they stand for, see sky_regions.h. The picture
 //          itself is what cameras see where nothing is hit, unless there is fog; event cameras, `sunlight` and pages
 //          take its mean instead. See SkyPicture for its directions.
+// Paths    Paths of light take the picture, or the same radiance from everywhere, in place of the lights.
 // Frames   the frame of the insertion point turns the lights and the picture.
 // Error    Without a picture and with n lights a surface's light errs by less than sqrt(5 / (3 n)) in the root mean
 //          square, the standard deviation of random directions; in steps of 4 / n times the cosine.

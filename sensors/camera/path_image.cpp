@@ -110,7 +110,7 @@ PathImage::PathImage(const PathSampling& sampling, const std::string& sensor, st
 
 // Each reflection casts a ray for the path, and one to each kind of light source.
 void PathImage::plan(const std::string& title, FramePlan& plan) const {
-  constexpr std::uint64_t kRaysOfReflection = 3;
+  constexpr std::uint64_t kRaysOfReflection = 4;
   plan.casts.push_back(
       {.name = sensor_,
        .reason = "paths of light of " + title + ": " + std::to_string(samples()) + " through each pixel, of up to " +
