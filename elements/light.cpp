@@ -108,8 +108,8 @@ LightElement::LightElement(const ElementContext& context)
   context.scene.insert(context.command, separator);
 }
 
-// One of the lights of the lamp, all alike but for their places.
-Light LightElement::light() const {
+// A light of the lamp: all are alike but for their places.
+Light LightElement::light(std::uint32_t i) const {
   Light light{.kind = desc_.kind, .color = desc_.color, .intensity = desc_.intensity / lamp_.points};
   if (desc_.is_directional()) light.direction = direction_from_sky(desc_.azimuth_deg, desc_.elevation_deg);
   light.range_m = desc_.range_m;
@@ -118,12 +118,18 @@ Light LightElement::light() const {
     light.outer_cone_rad = desc_.outer_cone_rad;
   }
   light.shadow_px = desc_.shadows ? desc_.shadow_px : 0;
+  if (lamp_.points == 1) return light;
   light.lamp_points = lamp_.points;
+  light.lamp_point = i;
+  light.lamp_shape = desc_.is_directional() ? LampShape::disc : LampShape::ball;
+  light.lamp_radius = lamp_.radius;
+  light.lamp_middle = desc_.is_directional() ? light.direction : -place_of_point(lamp_, i);
+  if (desc_.is_directional()) light.direction = direction_of_point(lamp_, light.direction, i);
   return light;
 }
 
 void LightElement::add_point(Separator& separator, std::uint32_t i) {
-  const auto node = std::make_shared<LightNode>(light());
+  const auto node = std::make_shared<LightNode>(light(i));
   node->name = separator.name;
   lights_.push_back(node);
   if (lamp_.points == 1 || desc_.is_directional()) {
@@ -144,11 +150,7 @@ void LightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
 void LightElement::update(ParameterView values) {
   kLightRows.set(desc_, values);
   place_->set_matrix(matrix_from_degrees({desc_.x_m, desc_.y_m, desc_.z_m}, 0, desc_.pitch_deg, desc_.yaw_deg));
-  for (std::uint32_t i = 0; i < lamp_.points; ++i) {
-    Light point = light();
-    if (desc_.is_directional()) point.direction = direction_of_point(lamp_, point.direction, i);
-    lights_[i]->set_light(point);
-  }
+  for (std::uint32_t i = 0; i < lamp_.points; ++i) lights_[i]->set_light(light(i));
 }
 
 }  // namespace simvis

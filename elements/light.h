@@ -12,7 +12,7 @@
 //          the irradiance E shows the radiance E / pi.
 // Size     with radius="0.1" a point or spot light is a ball whose surface shines, and with angular_radius="0.27" a
 //          directional light is a disc in the sky: `lamp_points` lights that share its intensity and stand evenly on
-//          it, see lamp.h.
+//          it, see lamp.h. Paths of light take random points of it instead.
 // Shadows  with shadows="yes" an object between the light and a surface blocks the light, see effects/scene/shadows.h.
 // Special  A light element switches off the built-in light of the scene.
 #pragma once
@@ -61,7 +61,7 @@ class LightElement : public Element {
   const std::vector<std::shared_ptr<LightNode>>& nodes() const { return lights_; }
 
  private:
-  Light light() const;
+  Light light(std::uint32_t i) const;
   void add_point(Separator& separator, std::uint32_t i);
 
   LightDesc desc_;

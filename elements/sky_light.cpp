@@ -10,6 +10,7 @@
 // Picture  Its lights have the light of the parts of the picture that they stand for, see sky_regions.h. The picture
 //          itself is what cameras see where nothing is hit, unless there is fog; event cameras, `sunlight` and pages
 //          take its mean instead. See SkyPicture for its directions.
+// Paths    Paths of light take the picture, or the same radiance from everywhere, in place of the lights.
 // Frames   the frame of the insertion point turns the lights and the picture.
 // Error    Without a picture and with n lights a surface's light errs by less than sqrt(5 / (3 n)) in the root mean
 //          square, the standard deviation of random directions; in steps of 4 / n times the cosine.
@@ -129,7 +130,9 @@ void SkyLightElement::add_even_lights() {
     lights_.push_back(std::make_shared<LightNode>(Light{.intensity = 4 * std::numbers::pi / desc_.points,
                                                         .direction = -even_point_of_ball(i, desc_.points),
                                                         .shadow_px = desc_.shadows ? desc_.shadow_px : 0,
-                                                        .lamp_points = desc_.points}));
+                                                        .lamp_points = desc_.points,
+                                                        .lamp_point = i,
+                                                        .lamp_shape = LampShape::even_sky}));
   }
 }
 
@@ -137,11 +140,13 @@ void SkyLightElement::add_picture(const ElementContext& context) {
   const auto picture = std::make_shared<const SkyPicture>(read_picture(context, desc_.picture));
   sky_ = std::make_shared<SkyNode>(picture, glm::vec3(mean_radiance(*picture)));
   const std::vector<SkyRegion> regions = cut_sky(*picture, desc_.points);
-  for (const SkyRegion& region : regions) {
-    lights_.push_back(std::make_shared<LightNode>(Light{.color = glm::vec3(region.irradiance),
-                                                        .direction = -region.towards,
+  for (std::uint32_t i = 0; i < regions.size(); ++i) {
+    lights_.push_back(std::make_shared<LightNode>(Light{.color = glm::vec3(regions[i].irradiance),
+                                                        .direction = -regions[i].towards,
                                                         .shadow_px = desc_.shadows ? desc_.shadow_px : 0,
-                                                        .lamp_points = static_cast<std::uint32_t>(regions.size())}));
+                                                        .lamp_points = static_cast<std::uint32_t>(regions.size()),
+                                                        .lamp_point = i,
+                                                        .lamp_shape = LampShape::sky_picture}));
   }
 }
 

@@ -44,6 +44,11 @@ double SensorRandom::uniform(std::uint64_t frame, std::uint32_t element, std::ui
   return unit_interval(bits[0], bits[1]);
 }
 
+std::array<double, 4> SensorRandom::uniforms(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const {
+  const std::array<std::uint32_t, 4> bits = this->bits(frame, element, draw);
+  return {bits[0] * 0x1p-32, bits[1] * 0x1p-32, bits[2] * 0x1p-32, bits[3] * 0x1p-32};
+}
+
 double SensorRandom::gaussian(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const {
   const std::array<std::uint32_t, 4> bits = this->bits(frame, element, draw);
   // Box-Muller transform; 1 - u lies in (0, 1].

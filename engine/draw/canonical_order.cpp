@@ -39,10 +39,11 @@ auto row_of(const Texture& texture) {
 }
 
 auto row_of(const Light& light) {
-  const auto& [kind, color, intensity, range_m, inner_cone_rad, outer_cone_rad, direction, shadow_px, lamp_points] =
-      light;
+  const auto& [kind, color, intensity, range_m, inner_cone_rad, outer_cone_rad, direction, shadow_px, lamp_points,
+               lamp_point, lamp_shape, lamp_radius, lamp_middle] = light;
   return std::tuple(kind, bits(color), bits(intensity), bits(range_m), bits(inner_cone_rad), bits(outer_cone_rad),
-                    bits(direction), shadow_px, lamp_points);
+                    bits(direction), shadow_px, lamp_points, lamp_point, lamp_shape, bits(lamp_radius),
+                    bits(lamp_middle));
 }
 
 auto bits(const glm::mat3x2& m) { return std::array{bits(m[0]), bits(m[1]), bits(m[2])}; }

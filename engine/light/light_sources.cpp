@@ -7,21 +7,18 @@
 #include "engine/draw/luminance.h"
 #include "engine/light/direct_light.h"
 #include "engine/light/lit_surface.h"
+#include "engine/light/surface_reflection.h"
 #include "engine/raycast/ray_triangle.h"
 
 namespace simvis {
 namespace {
 
-// That of the pixel in which the direction lies, as in shaders/sky.frag. Frame of the picture.
-glm::dvec3 sky_radiance(const SkyPicture& picture, const glm::dvec3& direction) {
-  const double azimuth = std::atan2(direction.y, direction.x),
-               elevation = std::atan2(direction.z, std::hypot(direction.x, direction.y));
-  const auto pixel = [](double share, std::uint32_t count) {
-    return static_cast<std::size_t>(std::clamp(std::floor(share * count), 0.0, count - 1.0));
-  };
-  const std::size_t column = pixel(0.5 - azimuth / (2 * std::numbers::pi), picture.width);
-  const std::size_t row = pixel(0.5 - elevation / std::numbers::pi, picture.height);
-  return glm::dvec3(picture.radiance[row * picture.width + column]);
+constexpr double kSphere_sr = 4 * std::numbers::pi;
+
+// A direction of the sphere for two numbers in [0, 1), evenly distributed.
+glm::dvec3 direction_of_sphere(double u, double v) {
+  const double z = 1 - 2 * u, across = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * v;
+  return {across * std::cos(angle), across * std::sin(angle), z};
 }
 
 // The frame of a picture may be turned, and mirrored by no part.
@@ -37,9 +34,16 @@ void LightSources::set(const DrawList& list, const std::vector<std::shared_ptr<c
   list_ = &list;
   materials_ = &materials;
   world_from_view_ = world_from_view;
-  const glm::dmat4 view_from_sky = view_from(list.sky.transform);
-  sky_from_view_ = glm::transpose(turn_of(view_from_sky));
-  add_lamps();
+  ambient_ = glm::dvec3(list.environment.ambient);
+  sky_share_ = glm::dvec3(0);
+  if (!list.sky.picture) {
+    sky_.reset();
+  } else if (!sky_ || sky_->picture() != list.sky.picture) {
+    sky_.emplace(list.sky.picture);
+  }
+  sky_from_view_ = glm::transpose(turn_of(view_from(list.sky.transform)));
+  lamps_.clear();
+  for (const LightItem& item : list.lights) add_light(item);
   emitters_.clear();
   sums_.clear();
   powers_.assign(list.items.size(), 0);
@@ -54,12 +58,34 @@ glm::dmat4 LightSources::view_from(std::uint32_t transform) const {
   return view_from_node;
 }
 
-void LightSources::add_lamps() {
-  lamps_.clear();
-  for (const LightItem& item : list_->lights) {
-    const double power = item.light.intensity * luminance(glm::dvec3(item.light.color));
-    if (power > 0) lamps_.push_back({item.light, view_from(item.transform), power});
+// One of the lights of a lamp stands for it; the lights of the picture of the sky say together how much of it shines.
+void LightSources::add_light(const LightItem& item) {
+  const Light& light = item.light;
+  const glm::dvec3 whole = light.intensity * glm::dvec3(light.color);
+  if (light.lamp_shape == LampShape::sky_picture && sky_) {
+    const glm::dvec3 mean(list_->sky.mean);
+    for (glm::length_t c = 0; c < 3; ++c) sky_share_[c] += mean[c] > 0 ? whole[c] / (kSphere_sr * mean[c]) : 0;
+    return;
   }
+  if (light.lamp_shape == LampShape::even_sky) {
+    ambient_ += whole / kSphere_sr;
+    return;
+  }
+  const bool has_size = light.lamp_shape == LampShape::ball || light.lamp_shape == LampShape::disc;
+  if (luminance(whole) == 0 || (has_size && light.lamp_point > 0)) return;
+  Lamp lamp{.light = light,
+            .view_from_light = view_from(item.transform),
+            .radius_m = 0,
+            .middle_m = glm::dvec3(0),
+            .power = luminance(whole)};
+  if (has_size) {
+    lamp.light.intensity *= light.lamp_points;
+    lamp.power *= light.lamp_points;
+  }
+  if (light.lamp_shape == LampShape::ball) lamp.radius_m = light.lamp_radius * glm::length(lamp.view_from_light[0]);
+  const glm::dvec3 middle = light.lamp_shape == LampShape::ball ? light.lamp_middle : glm::dvec3(0);
+  lamp.middle_m = glm::dvec3(lamp.view_from_light * glm::dvec4(middle, 1));
+  lamps_.push_back(lamp);
 }
 
 void LightSources::add_emitters(std::uint32_t item) {
@@ -93,14 +119,14 @@ void LightSources::add_emitters(std::uint32_t item) {
 // What a point may get of a lamp. It is above 0 wherever the lamp shines.
 double LightSources::expected(const Lamp& lamp, const glm::dvec3& point_m) const {
   if (lamp.light.kind == LightKind::directional) return lamp.power;
-  const glm::dvec3 way = glm::dvec3(lamp.view_from_light[3]) - point_m;
-  return lamp.power / std::max(glm::dot(way, way), 1e-12);
+  const glm::dvec3 way = lamp.middle_m - point_m;
+  return lamp.power / std::max({glm::dot(way, way), lamp.radius_m * lamp.radius_m, 1e-12});
 }
 
-LightSample LightSources::sample_lamps(const glm::dvec3& point_m, double random) const {
+LightSample LightSources::sample_lamps(const glm::dvec3& point_m, const glm::dvec3& random) const {
   double sum = 0;
   for (const Lamp& lamp : lamps_) sum += expected(lamp, point_m);
-  double rest = random * sum;
+  double rest = random.z * sum;
   std::size_t chosen = 0;
   for (; chosen + 1 < lamps_.size(); ++chosen) {
     const double own = expected(lamps_[chosen], point_m);
@@ -108,7 +134,17 @@ LightSample LightSources::sample_lamps(const glm::dvec3& point_m, double random)
     rest -= own;
   }
   const Lamp& lamp = lamps_[chosen];
-  const DirectLight direct = direct_light(lamp.light, lamp.view_from_light, point_m);
+  Light light = lamp.light;
+  glm::dmat4 view_from_light = lamp.view_from_light;
+  if (light.lamp_shape == LampShape::disc) {
+    const double radius = std::tan(light.lamp_radius) * std::sqrt(random.x), angle = 2 * std::numbers::pi * random.y;
+    light.direction = glm::normalize(frame_of_axis(light.lamp_middle) *
+                                     glm::dvec3(radius * std::cos(angle), radius * std::sin(angle), 1));
+  } else if (light.lamp_shape == LampShape::ball) {
+    const glm::dvec3 point = light.lamp_middle + light.lamp_radius * direction_of_sphere(random.x, random.y);
+    view_from_light[3] = view_from_light * glm::dvec4(point, 1);
+  }
+  const DirectLight direct = direct_light(light, view_from_light, point_m);
   return {.toward = direct.toward,
           .distance_m = direct.distance_m,
           .light = direct.irradiance * (sum / expected(lamp, point_m))};
@@ -136,18 +172,32 @@ LightSample LightSources::sample_emitters(const glm::dvec3& point_m, const glm::
           .primitive = emitter.primitive};
 }
 
+LightSample LightSources::sample_sky(const glm::dvec3& random) const {
+  const glm::dvec3 toward = glm::normalize(sky_->sample(random) * sky_from_view_);
+  const double density = sky_density(toward);
+  if (!(density > 0)) return {};
+  return {.toward = toward, .light = arriving(toward) / density, .density = density};
+}
+
 // A triangle is chosen by luminance x area, and its points are equally likely.
 double LightSources::emitter_density(std::uint32_t item, double distance_m, double cosine) const {
   if (powers_[item] == 0) return 0;
   return powers_[item] / sums_.back() * distance_m * distance_m / cosine;
 }
 
-glm::dvec3 LightSources::arriving() const { return glm::dvec3(list_->environment.ambient); }
+double LightSources::sky_density(const glm::dvec3& direction) const {
+  return any_sky() ? sky_->density(sky_from_view_ * direction) : 0;
+}
+
+glm::dvec3 LightSources::arriving(const glm::dvec3& direction) const {
+  if (!sky_) return ambient_;
+  return ambient_ + sky_share_ * sky_->radiance(sky_from_view_ * direction);
+}
 
 glm::dvec3 LightSources::seen(const glm::dvec3& direction) const {
   if (list_->medium.extinction_per_m > 0) return glm::dvec3(list_->medium.airlight);
-  if (!list_->sky.picture) return glm::dvec3(list_->environment.background);
-  return static_cast<double>(list_->sky.factor) * sky_radiance(*list_->sky.picture, sky_from_view_ * direction);
+  if (!sky_) return glm::dvec3(list_->environment.background);
+  return static_cast<double>(list_->sky.factor) * sky_->radiance(sky_from_view_ * direction);
 }
 
 }  // namespace simvis

@@ -1,9 +1,12 @@
 // Where the light of a scene comes from: lamps, surfaces that emit, and the surroundings.
 //
-// Lamps    lights of the draw list. Those that are the points of a lamp with a size, or stand for a sky, are lights as
-//          others are. No ray hits a lamp.
+// Lamps    lights of the draw list. The lights that are the points of one lamp with a size are one lamp here, and each
+//          sample is a random point of it: see elements/lamp.h for what a point sends out. No ray hits a lamp, so that
+//          only samples find its light.
 // Surfaces triangles with an emission are sampled by area, and by the light that they emit. Shapes that rays meet in
 //          place of triangles, and unlit surfaces, are only found by rays that hit them.
+// Sky      the picture of the sky is sampled by its light, with the sum of the lights that stand for it: theirs is the
+//          intensity and the tint. A sky of the same radiance everywhere is added to the ambient light.
 //
 // Frames   V, that of the rays.
 // Density  per steradian at the point that is lit. 0: no ray that is reflected finds this light.
@@ -13,10 +16,12 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <simvis/draw_list.h>
 #include <simvis/frame_results.h>
+#include "engine/light/sky_sampler.h"
 
 namespace simvis {
 
@@ -37,25 +42,32 @@ class LightSources {
            const glm::dmat4& world_from_view);
 
   bool any_lamps() const { return !lamps_.empty(); }
+  bool any_sky() const { return sky_share_ != glm::dvec3(0) && sky_->shines(); }
   bool any_emitters() const { return !sums_.empty() && sums_.back() > 0; }
 
   /// For numbers in [0, 1). There is a source of that kind.
-  LightSample sample_lamps(const glm::dvec3& point_m, double random) const;
+  LightSample sample_lamps(const glm::dvec3& point_m, const glm::dvec3& random) const;
   LightSample sample_emitters(const glm::dvec3& point_m, const glm::dvec3& random) const;
+  LightSample sample_sky(const glm::dvec3& random) const;
 
   /// Of sample_emitters() in the direction of a point of a triangle at this distance, seen by the cosine of its normal.
   double emitter_density(std::uint32_t item, double distance_m, double cosine) const;
 
-  /// The radiance that lights surfaces from directions in which nothing is.
-  glm::dvec3 arriving() const;
+  /// Of sample_sky() in a direction.
+  double sky_density(const glm::dvec3& direction) const;
+
+  /// The radiance that lights surfaces from a direction in which nothing is.
+  glm::dvec3 arriving(const glm::dvec3& direction) const;
   /// The radiance that a camera sees in a direction in which nothing is, itself or in a mirror.
   glm::dvec3 seen(const glm::dvec3& direction) const;
 
  private:
   struct Lamp {
-    Light light;
+    Light light;  // with the whole intensity
     glm::dmat4 view_from_light;
-    double power;  // luminance of the intensity
+    double radius_m;      // of a ball, else 0
+    glm::dvec3 middle_m;  // V
+    double power;         // luminance of the intensity
   };
   struct Emitter {
     std::uint32_t item, primitive;
@@ -63,7 +75,7 @@ class LightSources {
     glm::dvec3 corner_m, first_m, second_m, outward;  // V; edges from the corner, and the normal, unit length
   };
   glm::dmat4 view_from(std::uint32_t transform) const;
-  void add_lamps();
+  void add_light(const LightItem& item);
   void add_emitters(std::uint32_t item);
   double expected(const Lamp& lamp, const glm::dvec3& point_m) const;
   const Material& material_of(std::uint32_t item) const { return *(*materials_)[list_->items[item].material]; }
@@ -72,6 +84,9 @@ class LightSources {
   const std::vector<std::shared_ptr<const Material>>* materials_ = nullptr;
   glm::dmat4 world_from_view_{1.0};
   glm::dmat3 sky_from_view_{1.0};
+  std::optional<SkySampler> sky_;
+  glm::dvec3 sky_share_{0};  // of the picture's radiance that lights surfaces; 0: it only is seen
+  glm::dvec3 ambient_{0};    // with skies of the same radiance everywhere
   std::vector<Lamp> lamps_;
   std::vector<Emitter> emitters_;
   std::vector<double> powers_;  // luminance of the emission of each item, 0 if it is not sampled

@@ -102,7 +102,10 @@ void PathTracer::cast_paths() {
 }
 
 glm::dvec3 PathTracer::escaped(const Path& path) const {
-  return path.seen ? sources_.seen(path.direction) : sources_.arriving();
+  if (path.seen) return sources_.seen(path.direction);
+  const glm::dvec3 light = sources_.arriving(path.direction);
+  if (path.density == 0) return light;
+  return light * (path.density / (path.density + sources_.sky_density(path.direction)));
 }
 
 double PathTracer::emission_weight(const Path& path, const RayHit& hit, const LitSurface& surface) const {
@@ -178,8 +181,9 @@ bool PathTracer::reflect(Path& path, const RayHit& hit, const LitSurface& surfac
                     .behind_m = leaving_m(point_m, hit, cosine),
                     .sample = sample};
   };
-  if (sources_.any_lamps()) light_from(0, sources_.sample_lamps(point_m, numbers.one(path)));
+  if (sources_.any_lamps()) light_from(0, sources_.sample_lamps(point_m, numbers.three(path)));
   if (sources_.any_emitters()) light_from(1, sources_.sample_emitters(point_m, numbers.three(path)));
+  if (sources_.any_sky()) light_from(2, sources_.sample_sky(numbers.three(path)));
   const glm::dvec3 direction = sample_direction(surface.reflection, to_eye, numbers.three(path));
   const double cosine = glm::dot(surface.face, direction);
   const glm::dvec3 share = reflected_share(surface.reflection, to_eye, direction);

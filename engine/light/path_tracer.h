@@ -1,8 +1,9 @@
 // Radiance along rays by random paths, whose mean is exact for the light that is reflected up to `bounces` times.
 //
-// Path     A ray is followed from surface to surface. Each surface adds what it emits, and light of one lamp and of one
-//          random point of the surfaces that emit, if nothing blocks it (light_sources.h). The path then goes on in one
-//          random direction, as the surface reflects (surface_reflection.h).
+// Path     A ray is followed from surface to surface. Each surface adds what it emits, and light of one lamp, of one
+//          random point of the surfaces that emit and of one random direction of the sky, if nothing blocks it
+//          (light_sources.h). The path then goes on in one random direction, as the surface reflects
+//          (surface_reflection.h).
 // Weights  Light that both a random point and a random direction can find is weighted by both densities, the balance
 //          heuristic of Veach and Guibas, "Optimally Combining Sampling Techniques" (1995).
 // Straight A surface that covers less than all of what lies behind, and a pane of glass, lets paths and light pass
@@ -76,15 +77,15 @@ class PathTracer {
     double behind_m = 0;
     LightSample sample{};
   };
-  static constexpr std::size_t kKinds = 2;  // of light sources
+  static constexpr std::size_t kKinds = 3;  // of light sources
   using LightRays = std::array<LightRay, kKinds>;
   struct Numbers {
     const SensorRandom& random;
     std::uint64_t frame;
     double one(Path& path) const { return random.uniform(frame, path.pixel, path.draws++); }
     glm::dvec3 three(Path& path) const {
-      const double x = one(path), y = one(path);
-      return {x, y, one(path)};
+      const std::array<double, 4> numbers = random.uniforms(frame, path.pixel, path.draws++);
+      return {numbers[0], numbers[1], numbers[2]};
     }
   };
 

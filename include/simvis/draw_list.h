@@ -22,6 +22,15 @@ enum class LightKind : std::uint8_t {
   spot          ///< a cone around `direction`
 };
 
+/// What a light stands for together with the other lights of its lamp.
+enum class LampShape : std::uint8_t {
+  point,       ///< itself
+  ball,        ///< the surface of a ball
+  disc,        ///< a disc in the sky
+  even_sky,    ///< the sphere of all directions, with the same radiance everywhere
+  sky_picture  ///< the picture of the sky, see SkyView
+};
+
 /// A light, in the units of KHR_lights_punctual. It sits at the origin of its frame and shines along `direction`.
 struct Light {
   LightKind kind = LightKind::directional;  ///< shape of the emission
@@ -33,6 +42,10 @@ struct Light {
   glm::dvec3 direction{1, 0, 0};  ///< the way the light travels (directional, spot), unit length, in the light's frame
   std::uint32_t shadow_px = 0;    ///< texels along a side of its shadow map; 0: the light casts no shadows
   std::uint32_t lamp_points = 1;  ///< lights, this one included, that are the points of one lamp with a size
+  std::uint32_t lamp_point = 0;   ///< which of these points it is: [0, lamp_points)
+  LampShape lamp_shape = LampShape::point;  ///< of all of them
+  double lamp_radius = 0;                   ///< ball: m; disc: rad
+  glm::dvec3 lamp_middle{0};                ///< in the light's frame; ball: m; disc: the `direction` of its middle
 
   bool operator==(const Light&) const = default;  ///< member by member
 };

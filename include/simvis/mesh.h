@@ -152,7 +152,7 @@ inline constexpr float kMinRoughness = 0.05f;
 /// mirror. Of the rest, a share `transmission` enters a thin pane of glass that is tinted by the base colour. See
 /// engine/light/surface_shares.h.
 struct Material {
-  std::string name;                          ///< for messages; need not be unique
+  std::string name{};                        ///< for messages; need not be unique
   glm::vec4 base_color{1, 1, 1, 1};          ///< linear RGBA, multiplies texture and vertex colour
   glm::vec3 emissive{0, 0, 0};               ///< linear radiance added to reflected light
   AlphaMode alpha_mode = AlphaMode::opaque;  ///< how alpha is used
@@ -164,15 +164,15 @@ struct Material {
   bool double_sided = false;  ///< cameras draw back faces only of double-sided materials; scanners hit both sides
   std::optional<float> reflectance{};  ///< [0, 1], for laser light; unset: the mean of the base colour
   float retro_reflectance = 0;         ///< gain of a retro-reflector relative to a white matte surface; 0: none
-  std::shared_ptr<const Texture> base_color_texture;  ///< may be null
-  int uv_set = 0;                                     ///< of the base colour texture, 0 or 1
-  glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};         ///< columns; texture uv = uv_transform * (u, v, 1)
-  std::array<SurfaceMap, kMapKinds> maps{};           ///< by MapKind; they affect colour only
-  float normal_scale = 1;                             ///< factor of the normal map's x and y
-  float occlusion_strength = 1;                       ///< [0, 1], weight of the occlusion map
-  float mirror = 0,                                   ///< [0, 1], share reflected as by a mirror
-      transmission = 0;                               ///< [0, 1], share of the rest that enters the glass
-  float refractive_index = 1.5f;                      ///< of a pane of glass, above 0
+  std::shared_ptr<const Texture> base_color_texture{};  ///< may be null
+  int uv_set = 0;                                       ///< of the base colour texture, 0 or 1
+  glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};           ///< columns; texture uv = uv_transform * (u, v, 1)
+  std::array<SurfaceMap, kMapKinds> maps{};             ///< by MapKind; they affect colour only
+  float normal_scale = 1;                               ///< factor of the normal map's x and y
+  float occlusion_strength = 1;                         ///< [0, 1], weight of the occlusion map
+  float mirror = 0,                                     ///< [0, 1], share reflected as by a mirror
+      transmission = 0;                                 ///< [0, 1], share of the rest that enters the glass
+  float refractive_index = 1.5f;                        ///< of a pane of glass, above 0
 
   const SurfaceMap& map(MapKind kind) const { return maps[static_cast<std::size_t>(kind)]; }  ///< the map of a kind
   SurfaceMap& map(MapKind kind) { return maps[static_cast<std::size_t>(kind)]; }              ///< the map of a kind

@@ -29,6 +29,10 @@ class SIMVIS_API SensorRandom {
   /// Uniformly distributed in [0, 1), a multiple of 2^-53.
   double uniform(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
 
+  /// Four numbers at the cost of one, each uniformly distributed in [0, 1), a multiple of 2^-32. They share their bits
+  /// with uniform() and gaussian() of the same draw.
+  std::array<double, 4> uniforms(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
+
   /// Normally distributed with mean 0 and standard deviation 1; the absolute value is at most 8.6.
   double gaussian(std::uint64_t frame, std::uint32_t element, std::uint32_t draw) const;
 

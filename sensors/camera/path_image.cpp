@@ -41,6 +41,14 @@ bool has_layers(const DrawList& list) {
   });
 }
 
+// Rays hit triangles and shapes: neither lines nor points without a size.
+bool has_thin_items(const DrawList& list) {
+  return std::ranges::any_of(list.items, [&](const DrawItem& item) {
+    const Mesh& mesh = *list.meshes[item.mesh];
+    return item.visible && mesh.topology != Topology::triangles && !mesh.surface && !mesh.splats;
+  });
+}
+
 [[noreturn]] void refuse(const AttributeValues& attributes, std::string_view name, const std::string& why) {
   fail_at(attributes.where(name), "attribute \"" + std::string(name) + "\": " + why);
 }
@@ -110,7 +118,7 @@ PathImage::PathImage(const PathSampling& sampling, const std::string& sensor, st
 
 // Each reflection casts a ray for the path, and one to each kind of light source.
 void PathImage::plan(const std::string& title, FramePlan& plan) const {
-  constexpr std::uint64_t kRaysOfReflection = 3;
+  constexpr std::uint64_t kRaysOfReflection = 4;
   plan.casts.push_back(
       {.name = sensor_,
        .reason = "paths of light of " + title + ": " + std::to_string(samples()) + " through each pixel, of up to " +
@@ -122,7 +130,13 @@ void PathImage::plan(const std::string& title, FramePlan& plan) const {
 void PathImage::begin(const DrawList& list, const FrameTime& time) {
   if (has_splats(list)) {
     fail_at(sampling_.light_at,
-            "attribute \"light\": paths do not reflect at Gaussian splats, which the scene has, expected \"drawn\"");
+            "attribute \"light\": paths do not reflect at Gaussian splats, which the scene has, expected \"drawn\" or "
+            "their part in \"ignore\"");
+  }
+  if (has_thin_items(list)) {
+    fail_at(sampling_.light_at,
+            "attribute \"light\": paths do not hit lines, and points without a size, which the scene has, expected "
+            "\"drawn\" or their part in \"ignore\"");
   }
   list_ = &list;
   is_own_ = has_layers(list);

@@ -52,6 +52,14 @@ TEST_CASE("key and counter are those of the header") {
   CHECK(SensorRandom(seed, "a").gaussian(frame, 7, 3) == expected);
 }
 
+TEST_CASE("four numbers of a draw are the words of its block") {
+  const std::uint64_t key = 0xaf63dc4c8601ec8c;
+  const Block bits =
+      philox4x32_10({5, 0, 7, 3}, {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32)});
+  const std::array<double, 4> numbers = SensorRandom(0, "a").uniforms(5, 7, 3);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(numbers[i] * 0x1p32 == bits[i]);
+}
+
 TEST_CASE("a number depends on its names only") {
   const SensorRandom random(1, "A");
   const double value = random.gaussian(5, 6, 7);

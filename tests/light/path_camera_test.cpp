@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,11 +10,15 @@
 #include <simvis/diagnostics.h>
 #include <simvis/simulation.h>
 #include "tests/support/error_of.h"
+#include "tests/support/splat_file.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("engine/light");
 
 namespace simvis::test {
 namespace {
+
+namespace fs = std::filesystem;
 
 const std::string kRoom =
     "<part name='FLOOR' insert_at='ROOT' shape='plane' size='9 7' color='0.5 0.45 0.4'/>"
@@ -25,15 +30,6 @@ const std::string kSmall = "width='16' height='12' ";
 std::string camera(const std::string& attributes) {
   return "<sensor type='camera' name='C' insert_at='ROOT' pose_offset='0 0 1 0 10 0' " + attributes + "/>";
 }
-
-std::string refusal(const std::string& attributes, const std::string& more = "") {
-  return error_of([&] {
-    Simulation simulation = Simulation::from_string("<simvis>" + kRoom + camera(attributes) + more + "</simvis>");
-    simulation.step();
-  });
-}
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST_CASE("a path camera opens no device, has its error as an output, and the depth that a drawn one has") {
   Simulation paths = Simulation::from_string(
@@ -100,18 +96,62 @@ TEST_CASE("samples fill the lens: a circle of confusion that an edge cuts") {
   CHECK(pixel.stddev > 0);
 }
 
-TEST_CASE("what contradicts the light is refused at its place") {
-  CHECK(contains(refusal("samples='4'"), "attribute \"samples\": a drawn picture has none"));
-  CHECK(contains(refusal("bounces='4'"), "attribute \"bounces\": a drawn picture has none"));
-  CHECK(contains(refusal("outputs='color_stddev'"), "attribute \"outputs\": color_stddev: a drawn picture has none"));
-  CHECK(contains(refusal("light='path' samples='0'"), "samples"));
-  CHECK(contains(refusal("light='path' samples='1' outputs='color_stddev'"), "one sample shows no standard deviation"));
-  CHECK(contains(refusal("light='path' outputs='depth'"), "paths are of colour"));
-  CHECK(contains(refusal("light='path' supersampling='4'"), "attribute \"supersampling\""));
-  CHECK(contains(refusal("light='path' msaa='4'"), "attribute \"msaa\""));
-  CHECK(contains(refusal("light='path' max_error_px='1'"), "attribute \"max_error_px\""));
-  CHECK(contains(refusal("light='path' width='4000' height='4000'"), "too many pixels"));
-  CHECK(contains(refusal("light='path' color_magnification='1 1 1.01'"), "color_magnification"));
+// The message about a camera with these attributes in the third line of a scene.
+std::string refusal(const std::string& attributes, const std::string& more = "", const fs::path& folder = ".") {
+  return error_of([&] {
+    Simulation simulation = Simulation::from_string(
+        "<simvis>\n" + kRoom + "\n" + camera(attributes) + "\n" + more + "</simvis>", {}, folder, "s.xml");
+    simulation.step();
+  });
+}
+
+TEST_CASE("what contradicts the light is refused at its place, with what is allowed") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "splats.ply", splat_file({{.center_m = {3, 0, 0}}}));
+  write_text(folder.path() / "dots.ply",
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+             "end_header\n3 0 0\n");
+  write_text(folder.path() / "lines.obj", "v 3 0 0\nv 3 1 0\nl 1 2\n");
+  struct Row {
+    std::string attributes, at, says, part = "";
+  };
+  const std::string drawn = "a drawn picture has none, expected light=\"path\" beside it";
+  const std::string whole = "paths go through the whole square of each pixel, expected light=\"drawn\" beside it";
+  const std::vector<Row> rows{
+      {"samples='4'", "samples", "attribute \"samples\": " + drawn},
+      {"bounces='4'", "bounces", "attribute \"bounces\": " + drawn},
+      {"outputs='color_stddev'", "outputs", "attribute \"outputs\": color_stddev: " + drawn},
+      {"light='paths'", "light", "expected one of: drawn, path"},
+      {"light='path' samples='0'", "samples", "expected a whole number from 1 to 65536"},
+      {"light='path' samples='65537'", "samples", "expected a whole number from 1 to 65536"},
+      {"light='path' samples='1.5'", "samples", "expected a whole number from 1 to 65536"},
+      {"light='path' bounces='-1'", "bounces", "expected a whole number from 0 to 64"},
+      {"light='path' bounces='65'", "bounces", "expected a whole number from 0 to 64"},
+      {"light='path' samples='1' outputs='color_stddev'", "samples", "expected at least 2 with color_stddev"},
+      {"light='path' outputs='depth'", "light", "expected color or color_stddev among outputs"},
+      {"light='path' supersampling='4'", "supersampling", whole},
+      {"light='path' msaa='4'", "msaa", whole},
+      {"light='path' max_error_px='1'", "max_error_px", "paths hit every triangle, expected 0"},
+      {"light='path' width='4000' height='4000'", "height", "too many pixels"},
+      {"light='path' color_magnification='1 1 1.01'", "color_magnification", "expected light=\"drawn\""},
+      {"light='path'", "light", "paths do not reflect at Gaussian splats, which the scene has, expected \"drawn\"",
+       "splats.ply"},
+      {"light='path'", "light", "paths do not hit lines, and points without a size, which the scene has, expected",
+       "dots.ply"},
+      {"light='path'", "light", "paths do not hit lines, and points without a size, which the scene has, expected",
+       "lines.obj"}};
+  for (const Row& row : rows) {
+    CAPTURE(row.attributes);
+    const std::string more = row.part.empty() ? "" : "<part name='MORE' insert_at='ROOT' file='" + row.part + "'/>";
+    const std::string message = refusal(row.attributes, more, folder.path());
+    const std::size_t column = camera(row.attributes).find(" " + row.at + "='") + 2;
+    CHECK(contains(message, "s.xml:3:" + std::to_string(column) + ": "));
+    CHECK(contains(message, row.says));
+    // Without the part, or for a camera that does not see it, there is no error.
+    if (row.part.empty()) continue;
+    CHECK(refusal(row.attributes, "", folder.path()) == "nothing was thrown");
+    CHECK(refusal(row.attributes + " ignore='MORE'", more, folder.path()) == "nothing was thrown");
+  }
 }
 
 TEST_CASE("a scene with a path camera that is off costs what it costs without it") {

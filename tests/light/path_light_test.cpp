@@ -15,11 +15,6 @@ TEST_SUITE_BEGIN("engine/light");
 namespace simvis::test {
 namespace {
 
-Material matte(double base) { return {.base_color = glm::vec4(glm::vec3(static_cast<float>(base)), 1)}; }
-Material lamp(double radiance) {
-  return {.base_color = {0, 0, 0, 1}, .emissive = glm::vec3(static_cast<float>(radiance))};
-}
-
 Mesh floor_mesh(double half_m = 50) {
   return rectangle_mesh({-half_m, -half_m, 0}, {2 * half_m, 0, 0}, {0, 2 * half_m, 0});
 }
@@ -134,7 +129,9 @@ TEST_CASE("lamps without a size: the laws of Lambert and of the inverse square, 
   sheet.double_sided = true;
   stage.add(ceiling_mesh(5, 5, 1.5), sheet);
   CHECK(std::abs(radiance_at(stage, eye, {1, 0, 0}, 4, 1).mean.x - 0.75 * expected) <= kStored);
-  stage.list.materials.back() = std::make_shared<Material>(Material{.alpha_mode = AlphaMode::mask});
+  sheet = matte(1);
+  sheet.alpha_mode = AlphaMode::mask;
+  stage.list.materials.back() = std::make_shared<Material>(sheet);
   ++stage.list.revisions.materials;
   ++stage.list.revisions.structure;
   CHECK(radiance_at(stage, eye, {1, 0, 0}, 4, 1).mean.x == 0);
@@ -185,7 +182,9 @@ TEST_CASE("the image in a mirror is that of the mirrored scene") {
   };
   PathStage with_mirror, mirrored;
   add_half(with_mirror, 1);
-  with_mirror.add(rectangle_mesh({0, -50, -50}, {0, 0, 100}, {0, 100, 0}), {.base_color = {0, 0, 0, 1}, .mirror = 1});
+  Material mirror = matte(0);
+  mirror.mirror = 1;
+  with_mirror.add(rectangle_mesh({0, -50, -50}, {0, 0, 100}, {0, 100, 0}), mirror);
   add_half(mirrored, 1);
   add_half(mirrored, -1);
   const glm::dvec3 eye(-3, 0.5, 0.7), at(1.2, -0.3, 0);
@@ -266,7 +265,9 @@ TEST_CASE("paths are the same bytes for any number of threads, and others in eac
     PathStage stage;
     stage.caster = make_host_ray_caster({}, threads);
     stage.list.environment.ambient = glm::vec3(0.2f);
-    stage.add(floor_mesh(), {.roughness = 0.3f});
+    Material glossy = matte(1);
+    glossy.roughness = 0.3f;
+    stage.add(floor_mesh(), glossy);
     stage.add(ceiling_mesh(1, 1, 1), lamp(3));
     Material leaf = matte(0.5);
     leaf.opacity = 0.5f;

@@ -15,6 +15,7 @@
 #include "sensors/camera/camera.h"
 #include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 
 namespace simvis::test {
 
@@ -24,8 +25,6 @@ inline bool agree(double mean, double expected, double stddev, double rounding =
   constexpr double kDeviations = 5;
   return std::abs(mean - expected) <= kDeviations * stddev + rounding;
 }
-
-constexpr double kPi = std::numbers::pi;
 
 /// Colours are stored as float32: of a number up to 4.
 constexpr double kStored = 4 * 0x1p-24;
@@ -40,6 +39,17 @@ inline Mesh rectangle_mesh(const glm::dvec3& corner, const glm::dvec3& side, con
   for (VertexAttributes& vertex : mesh.attributes) vertex.normal = glm::vec3(glm::normalize(glm::cross(side, other)));
   mesh.indices = {0, 1, 2, 0, 2, 3};
   return mesh;
+}
+
+inline Material matte(double base) {
+  Material material;
+  material.base_color = glm::vec4(glm::vec3(static_cast<float>(base)), 1);
+  return material;
+}
+inline Material lamp(double radiance) {
+  Material material = matte(0);
+  material.emissive = glm::vec3(static_cast<float>(radiance));
+  return material;
 }
 
 struct PathStage {
