@@ -38,7 +38,8 @@ struct VectorSimulationImpl;
 class SIMVIS_API VectorSimulation {
  public:
   /// Loads a scene file `environments` times, on all threads. `desc.progress` gets the number of environments that are
-  /// there, and is called by this thread alone. Throws InputError as Simulation::load(), and for 0 environments.
+  /// there, and is called by this thread alone. Throws InputError as Simulation::load(), and for 0 or more than 65536
+  /// environments.
   static VectorSimulation load(const std::filesystem::path& scene, std::size_t environments,
                                const SimulationDesc& desc = {});
   /// As load(), from text, with the further parameters of Simulation::from_string().

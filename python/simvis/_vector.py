@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-Environments = Sequence[int] | Any  # numbers of environments, or an array of bool with one value for each
-
 
 class VectorSimulation(VectorLoading):
     """Copies of a scene, called environments, which are stepped together: `VectorSimulation.load(file, 100)` makes them.
@@ -28,8 +26,10 @@ class VectorSimulation(VectorLoading):
 
     Environment i, `sims[i]`, is a Simulation whose seed is `seed` + i. It measures the same bytes as one that was loaded
     alone with that seed, whatever the numbers of environments and of threads are. Meshes, textures and trees for rays are
-    there once. An error of an environment says which one it was; all others have made their frame then, and `failed` lists
-    those that have not. Otherwise as Simulation.
+    there once. `environments` of functions are numbers from 0, or an array of bool with a value for each.
+
+    An error of an environment says which one it was; all others have made their frame then, and `failed` lists those that
+    have not. Otherwise as Simulation.
     """
 
     def __enter__(self) -> VectorSimulation:
@@ -64,15 +64,15 @@ class VectorSimulation(VectorLoading):
         for sim in self:
             sim.only(*sensors)
 
-    def step_some(self, environments: Environments) -> None:
+    def step_some(self, environments: npt.ArrayLike) -> None:
         """Makes one frame of these environments alone."""
         self._step_some(self._numbers(environments))
 
-    def restore_states(self, environments: Environments | None = None) -> None:
+    def restore_states(self, environments: npt.ArrayLike | None = None) -> None:
         """Takes environments, by default all, back to the states of save_states(); outputs change at the next step."""
         self._restore_states(self._numbers(environments))
 
-    def reload(self, seeds: Sequence[int], environments: Environments | None = None) -> None:
+    def reload(self, seeds: Sequence[int], environments: npt.ArrayLike | None = None) -> None:
         """Loads environments, by default all, again, each with its own seed. The same sensors are on as before."""
         numbers = [index(seed) for seed in seeds]
         for seed in numbers:
@@ -80,7 +80,7 @@ class VectorSimulation(VectorLoading):
                 raise InputError(f"a seed is {seed}, expected a whole number from 0 to {(1 << 64) - 1}")
         self._reload(self._numbers(environments), numbers)
 
-    def _numbers(self, environments: Environments | None) -> list[int]:
+    def _numbers(self, environments: npt.ArrayLike | None) -> list[int]:
         import numpy as np
 
         if environments is None:
