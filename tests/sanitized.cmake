@@ -47,7 +47,8 @@ set(sanitized_files
     simvis/output_writer_test simvis/package_option_test simvis/parameters_test simvis/picture_file_test
     simvis/plugin_lidar_test simvis/plugin_test simvis/remove_test simvis/replay_test simvis/resume_test
     simvis/scene_check_test simvis/shard_test simvis/simulation_calls_test simvis/simulation_test simvis/step_async_test
-    simvis/strict_leniency_test simvis/threads_option_test simvis/timeline_test simvis/trajectory_test simvis/vulkan_faults_test
+    simvis/strict_leniency_test simvis/threads_option_test simvis/timeline_test simvis/trajectory_test
+    simvis/vector_simulation_test simvis/vulkan_faults_test
     # files of strangers; threads
     splats/splat_files_test splats/splat_rays_test)
 
