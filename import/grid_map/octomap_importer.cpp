@@ -5,9 +5,11 @@
 // of its children. Child i, whose bits 0, 1 and 2 are the halves along x, y and z, has the bits 2 i and 2 i + 1 of
 // these bytes, a number: 0 unknown, 1 free, 2 occupied, 3 an inner node. The root is a cube of 2^16 cells on a side
 // around the origin.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/gtc/matrix_transform.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -5,10 +5,11 @@
 //   origin_m      x, y, z of the lowest corner of the first cell; without this array 0
 //
 // Arrays are in the format of numpy.lib.format, versions 1 and 2.
-#include <array>
+#include <cmath>
 #include <cstdint>
 #include <glm/gtc/matrix_transform.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -58,13 +59,11 @@ class NumpyArray {
   bool is_signed() const { return type_ == "|i1"; }
 
   std::vector<double> numbers(std::size_t count) const {
-    if (type_ != "<f8") fail("has numbers of the type " + in_quotes(type_) + ", expected float64");
-    require(count * sizeof(double));
-    std::vector<double> numbers;
-    for (std::size_t i = 0; i < count; ++i) {
-      numbers.push_back(binary_at<double>(bytes_, data_ + i * sizeof(double)));
-    }
-    return numbers;
+    if (type_ == "<f8") return numbers_of<double>(count);
+    if (type_ == "<f4") return numbers_of<float>(count);
+    if (type_ == "<i8") return numbers_of<std::int64_t>(count);
+    if (type_ == "<i4") return numbers_of<std::int32_t>(count);
+    fail("has numbers of the type " + in_quotes(type_) + ", expected float64, float32, int64 or int32");
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -72,6 +71,16 @@ class NumpyArray {
   }
 
  private:
+  template <typename Number>
+  std::vector<double> numbers_of(std::size_t count) const {
+    require(count * sizeof(Number));
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < count; ++i) {
+      numbers.push_back(static_cast<double>(binary_at<Number>(bytes_, data_ + i * sizeof(Number))));
+    }
+    return numbers;
+  }
+
   void require(std::size_t bytes) const {
     if (bytes_.size() - data_ != bytes) {
       fail("has " + std::to_string(bytes_.size() - data_) + " bytes, expected " + std::to_string(bytes) +

@@ -1,6 +1,7 @@
 #include "program/cli/map_outlet.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <set>
 #include <string>
@@ -12,6 +13,7 @@
 #include "engine/base/assert.h"
 #include "engine/base/result_lock.h"
 #include "engine/base/words.h"
+#include "engine/draw/solid_cloud.h"
 #include "program/cli/load_scene.h"
 #include "program/maps/map_files.h"
 #include "program/output/atomic_file.h"
@@ -71,7 +73,7 @@ MapDesc map_desc(const Options& options, MapFormat format) {
 class MapOutlet : public RunOutlet {
  public:
   MapOutlet(const std::filesystem::path& file, MapFormat format, MapDesc desc, std::vector<std::string> ignored,
-            const Simulation& simulation)
+            Simulation& simulation)
       : simulation_(simulation),
         name_(file),
         format_(format),
@@ -96,7 +98,10 @@ class MapOutlet : public RunOutlet {
 
  private:
   void write() {
-    const SceneCells map = map_scene(simulation_.diagnostics().draw_list(), left_out(), desc_);
+    const DrawList& list = simulation_.diagnostics().draw_list();
+    const std::vector<bool> left_out = ignored_items();
+    const SceneCells map = map_scene(list, left_out, desc_);
+    warn_of_missing_cells(map, list, left_out);
     const std::vector<MapFileBytes> contents = encode_map(map, name_, format_);
     SIMVIS_ASSERT(contents.size() == files_.size());
     for (std::size_t i = 0; i < contents.size(); ++i) files_[i].write(contents[i].bytes);
@@ -117,14 +122,32 @@ class MapOutlet : public RunOutlet {
     return parts;
   }
 
-  std::vector<bool> left_out() const {
+  std::vector<bool> ignored_items() const {
     const std::set<std::string> parts = ignored_parts();
-    std::vector<bool> left_out;
-    for (const SceneItem& item : simulation_.items()) left_out.push_back(parts.contains(item.part));
-    return left_out;
+    std::vector<bool> ignored;
+    for (const SceneItem& item : simulation_.items()) ignored.push_back(parts.contains(item.part));
+    return ignored;
   }
 
-  const Simulation& simulation_;
+  // What people see and the map lacks.
+  void warn_of_missing_cells(const SceneCells& map, const DrawList& list, const std::vector<bool>& left_out) {
+    const std::vector<SceneItem> items = simulation_.items();
+    std::set<std::string> parts;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const Mesh& mesh = *list.meshes[list.items[i].mesh];
+      const bool is_cloud = mesh.topology == Topology::points && !mesh.indices.empty() && !is_solid_cloud(mesh);
+      if (list.items[i].visible && !left_out[i] && (is_cloud || mesh.splats)) parts.insert(items[i].part);
+    }
+    if (!parts.empty()) {
+      const std::string more = parts.size() > 1 ? " and " + std::to_string(parts.size() - 1) + " more" : "";
+      simulation_.warn(name_.string() + ": the map lacks part " + in_quotes(*parts.begin()) + more +
+                       ": points without a radius and Gaussian splats have no surface");
+    }
+    if (std::ranges::find(map.states, CellState::occupied) != map.states.end()) return;
+    simulation_.warn(name_.string() + ": the map has no occupied cell, expected surfaces between its heights");
+  }
+
+  Simulation& simulation_;
   std::filesystem::path name_;
   MapFormat format_;
   MapDesc desc_;
@@ -137,7 +160,7 @@ class MapOutlet : public RunOutlet {
 
 }  // namespace
 
-std::unique_ptr<RunOutlet> map_outlet(const Options& options, const Simulation& simulation) {
+std::unique_ptr<RunOutlet> map_outlet(const Options& options, Simulation& simulation) {
   const std::optional<MapFormat> format = map_format_of(options.export_file);
   SIMVIS_ASSERT(format);
   MapDesc desc = map_desc(options, *format);

@@ -59,7 +59,7 @@ class PageOutlet : public RunOutlet {
 
 }  // namespace
 
-std::unique_ptr<RunOutlet> export_outlet(const Options& options, const Simulation& simulation) {
+std::unique_ptr<RunOutlet> export_outlet(const Options& options, Simulation& simulation) {
   require_map_for_map_options(options);
   if (map_format_of(options.export_file)) return map_outlet(options, simulation);
   std::unique_ptr<RunOutlet> outlet;

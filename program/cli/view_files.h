@@ -12,7 +12,7 @@ namespace simvis {
 /// The scene after the last frame as a GLB, or as a map (program/cli/map_outlet.h), and all frames as a page. Each file
 /// appears with finish(), or not at all; of a folder that was made for a file that does not appear, nothing is left.
 /// Errors: MachineError, also of these functions, with the option's name before that of InputError.
-std::unique_ptr<RunOutlet> export_outlet(const Options& options, const Simulation& simulation);
+std::unique_ptr<RunOutlet> export_outlet(const Options& options, Simulation& simulation);
 std::unique_ptr<RunOutlet> page_outlet(const Options& options, Simulation& simulation);
 
 }  // namespace simvis

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
-
-#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {

@@ -1,7 +1,9 @@
 // Maps of a scene as files: what --export writes for names that end with .yaml, .npz and .bt.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 

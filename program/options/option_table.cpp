@@ -536,7 +536,7 @@ constexpr OptionExclusion kExclusions[] = {
     {"--shard", "--summary --serve --follow --dds --live"},
     {"--resume", "--no-replace --again --serve --follow --dds --live"},
     {"--again", "--serve --follow --dds --live"},
-    {"--follow", "--set --trajectory --sensor --poses --serve"},
+    {"--follow", "--set --trajectory --sensor --poses --serve --export-ignore"},
     {"--summary", "--quiet"},
     {"--restore-state", "--sensor --dataset --shard --resume --follow --compare"},
     {"--save-state", "--price --compare --shard --follow"},

@@ -223,6 +223,11 @@ TEST_CASE("voxel grids of NumPy are read in both orders, of all small types, wit
   CHECK(cells(npz(array("|u1", "False", "(3, 2, 1)", std::string("\1\xff\0\0\0\1", 6)), number(1))) == "#.#\n#..");
   CHECK(cells(npz(array("|b1", "True", "(3, 2, 1)", std::string("\1\0\0\0\0\1", 6)), number(1))) == "..#\n#..");
   CHECK(cells(npz(array("|b1", "True", "(3, 2, 1)", std::string("\0\1\0\0\0\1", 6)), number(1))) == "..#\n.#.");
+  const std::string one_as_float("\0\0\x80\x3f", 4), one_as_int("\1\0\0\0", 4);
+  CHECK(cells(npz(array("|b1", "False", "(3, 2, 1)", data), array("<f4", "False", "()", one_as_float))) == "..#\n#..");
+  CHECK(cells(npz(array("|b1", "False", "(3, 2, 1)", data), array("<i4", "False", "()", one_as_int))) == "..#\n#..");
+  CHECK(cells(npz(array("|b1", "False", "(3, 2, 1)", data),
+                  array("<i8", "False", "()", one_as_int + std::string(4, '\0')))) == "..#\n#..");
   const double origin[] = {1, 0, 0};
   const std::size_t three[] = {3};
   CHECK(cells(npz(array("|b1", "False", "(3, 2, 1)", data), number(1), encode_npy(origin, three)), {4, 2}) ==
@@ -240,8 +245,8 @@ TEST_CASE("archives that hold no voxel grid are refused with the array") {
   CHECK(contains(message(npz(cells)), "has no array \"resolution_m\", expected cells, resolution_m and origin_m"));
   CHECK(contains(message(npz(cells, number(0))), "array \"resolution_m\": 0 is not allowed"));
   CHECK(contains(message(npz(cells, number(NAN))), "array \"resolution_m\": nan is not allowed"));
-  CHECK(
-      contains(message(npz(cells, cells)), "array \"resolution_m\" has numbers of the type \"|b1\", expected float64"));
+  CHECK(contains(message(npz(cells, cells)),
+                 "array \"resolution_m\" has numbers of the type \"|b1\", expected float64, float32, int64 or int32"));
   CHECK(
       contains(message(npz(cells, number(1), number(1))), "array \"origin_m\" has 8 bytes, expected 24 for its shape"));
   CHECK(contains(message(npz("", number(1))), "array \"cells\" is no array of NumPy"));
