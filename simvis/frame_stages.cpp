@@ -4,6 +4,7 @@
 
 #include <simvis/effect.h>
 #include "engine/base/now_ns.h"
+#include "engine/splats/seen_splats.h"
 #include "sensors/delayed_sensor.h"
 #include "simvis/element_motion.h"
 #include "simvis/mount_frame.h"
@@ -153,7 +154,11 @@ std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
 
 // Host-only ray casts run while the device draws for the other sensors.
 void SimulationImpl::render(ViewLayer& layer, const FrameTime& time) {
-  layer.caster->set_world(*layer.list);
+  if (layer.has_splats()) {
+    layer.splat_caster.set_world(*layer.list, *layer.caster);
+  } else {
+    layer.caster->set_world(*layer.list);
+  }
   std::exception_ptr failed;
   try {
     for (ViewLayer::Entry& entry : layer.entries) {
@@ -197,16 +202,23 @@ void SimulationImpl::move_elements(const FrameTime& time) {
 }
 
 void SimulationImpl::plan_sensor(ViewLayer& layer, std::size_t i, const FrameTime& time) {
-  Sensor& sensor = *scene.built.sensors[i].sensor;
+  const BuiltSensor& built = scene.built.sensors[i];
+  Sensor& sensor = *built.sensor;
   const std::size_t id = sensors.all[i].sensor;
   const DrawList& list = layer.ignored.seen_list(id, *layer.list);
   sensors.all[i].measurement.reset();  // the sensor writes to its memory again
   sensor.begin(time);
   if (const SensedWorld* const world = sensed.look(id, list, time)) sensor.sense(*world);
-  if (&list == layer.list) return sensor.plan(sensors.all[i].world_from_sensor, list, layer.plan);
-  const std::vector<std::size_t> views = IgnoredItems::count_views(layer.plan);
+  const std::vector<std::size_t> views =
+      &list == layer.list ? std::vector<std::size_t>() : IgnoredItems::count_views(layer.plan);
   const std::size_t casts = layer.plan.casts.size();
   sensor.plan(sensors.all[i].world_from_sensor, list, layer.plan);
+  const bool hits_splats = (find_sensor_type(built.type)->capabilities & kRaysHitSplats) != 0;
+  if (hits_splats && layer.has_splats() && layer.plan.casts.size() > casts && has_splats(list)) {
+    layer.plan.effects.push_back(
+        {built.name, "gaussian_splats", std::string(find_effect_type("gaussian_splats")->source)});
+  }
+  if (&list == layer.list) return;
   const std::string warning = layer.ignored.leave_out(id, views, casts, layer.plan);
   if (!warning.empty()) warn(warning);
 }
@@ -275,17 +287,18 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
   const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
   entry.taken = true;
   sensors.all[entry.sensor].measurement.reset();
-  layer.caster->ignore(layer.ignored.of(sensors.all[entry.sensor].sensor));
+  RayCaster& caster = layer.caster_for(*find_sensor_type(sensor.type));
+  caster.ignore(layer.ignored.of(sensors.all[entry.sensor].sensor));
   if (!desc.device.instrumented) {
     sensor.sensor->collect(time, layer.plan, results);
-    sensor.sensor->cast(*layer.caster);
+    sensor.sensor->cast(caster);
     return;
   }
   const RayCounters before = layer.caster->counters();
   entry.cost = {.sensor = sensor.name, .start_ns = now_ns()};
   sensor.sensor->collect(time, layer.plan, results);
   entry.cost.collected_ns = now_ns();
-  sensor.sensor->cast(*layer.caster);
+  sensor.sensor->cast(caster);
   entry.cost.end_ns = now_ns();
   const RayCounters after = layer.caster->counters();
   entry.cost.rays = after.rays - before.rays;

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include <simvis/effect.h>
+#include <simvis/sensor_type.h>
+#include "engine/splats/seen_splats.h"
 
 namespace simvis {
 
@@ -32,6 +34,17 @@ void ViewLayer::begin_plan() {
   plan.effects.clear();
   entries.clear();
   rendered = complete = false;
+}
+
+bool ViewLayer::has_splats() {
+  const std::uint64_t structure = list->revisions.structure;
+  if (!known_splats || known_splats->first != structure) known_splats = {structure, simvis::has_splats(*list)};
+  return known_splats->second;
+}
+
+RayCaster& ViewLayer::caster_for(const SensorType& type) {
+  if ((type.capabilities & kRaysHitSplats) != 0 && has_splats()) return splat_caster;
+  return *caster;
 }
 
 void ViewLayer::finish_plan() {

@@ -5,12 +5,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <simvis/frame_plan.h>
 #include <simvis/ray_caster.h>
 #include <simvis/step_costs.h>
 #include "engine/render/renderer.h"
+#include "engine/splats/splat_caster.h"
 #include "scenegraph/flattener.h"
 #include "simvis/ignored_items.h"
 #include "simvis/lazy_device.h"
@@ -46,6 +48,11 @@ struct ViewLayer {
   const FrameCounters& counters() const;
   const FrameCosts* costs() const { return renderer ? renderer->costs() : nullptr; }
 
+  /// Whether a visible item of `list` has Gaussian splats. It is computed when the structure of the list has changed.
+  bool has_splats();
+  /// The caster of the rays of a sensor of this type in this frame.
+  RayCaster& caster_for(const SensorType& type);
+
   /// The plan of this frame with the details that only reports and tests need. They are computed at the first call.
   const FramePlan& complete_plan();
 
@@ -57,11 +64,13 @@ struct ViewLayer {
   IgnoredItems ignored;               ///< of its sensors
   std::optional<Renderer> renderer;   ///< since a plan has drawn, or from the start if the device is instrumented
   std::unique_ptr<RayCaster> caster;  ///< idle until a sensor casts rays; that of the host until a plan has rays
-  bool has_cast = false;              ///< a plan has had rays
-  const DrawList* list;               ///< result of the last flattening
-  FramePlan plan;                     ///< of this frame
-  std::vector<Entry> entries;         ///< of all sensors, due or not, in their order
-  bool rendered = false;              ///< the plan has been rendered
+  SplatCaster splat_caster;           ///< of `caster`, for sensors whose rays hit splats
+  std::optional<std::pair<std::uint64_t, bool>> known_splats{};  ///< revision of the structure, and has_splats()
+  bool has_cast = false;                                         ///< a plan has had rays
+  const DrawList* list;                                          ///< result of the last flattening
+  FramePlan plan;                                                ///< of this frame
+  std::vector<Entry> entries;                                    ///< of all sensors, due or not, in their order
+  bool rendered = false;                                         ///< the plan has been rendered
   bool complete = false;
 };
 

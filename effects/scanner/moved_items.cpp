@@ -113,7 +113,10 @@ void MovedItems::cast(const ScanContext& context, const DrawList& list, std::spa
                       RayCaster& caster, std::span<RayHit> hits) {
   rays_cast_ = 0;
   has_moved_.assign(list.items.size(), false);
-  for (const ItemMove& move : context.moves) has_moved_[move.item] = true;
+  // Clouds of splats stand still.
+  for (const ItemMove& move : context.moves) {
+    has_moved_[move.item] = list.meshes[list.items[move.item].mesh]->splats == nullptr;
+  }
   seen_.clear();
   seen_of_ray_.assign(rays.size(), kNotSeen);
   std::erase_if(meshes_, [&](const auto& entry) {

@@ -4,7 +4,9 @@
 #include <optional>
 
 #include "engine/base/assert.h"
+#include "engine/base/srgb.h"
 #include "engine/draw/solid_cloud.h"
+#include "engine/draw/splat_cloud.h"
 #include "engine/draw/surface_alpha.h"
 #include "engine/raycast/item_shape.h"
 #include "engine/raycast/ray_triangle.h"
@@ -36,12 +38,34 @@ std::optional<SurfacePoint> point_of_shape(const DrawList& list, const glm::dmat
                       .primitive = hit.primitive};
 }
 
+// A splat has no surface: its normal faces the ray. Its colour is that of its centre, seen from the ray's origin.
+SurfacePoint point_of_splat(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& direction,
+                            const RayHit& hit) {
+  const DrawItem& item = list.items[hit.item];
+  const SplatCloud& cloud = *list.meshes[item.mesh]->splats;
+  const glm::dvec3 origin(glm::inverse(list.world_from_node[item.transform]) * world_from_sensor[3]),
+      sight = glm::dvec3(cloud.splats[hit.primitive].center) - origin;
+  const std::size_t coefficients = harmonics_count(cloud.degree);
+  const double distance = glm::length(sight);
+  glm::dvec3 color = splat_color(std::span(cloud.harmonics).subspan(hit.primitive * coefficients, coefficients),
+                                 distance > 0 ? sight / distance : glm::dvec3(0, 0, 1));
+  for (int i = 0; cloud.encoding == SplatEncoding::srgb && i < 3; ++i) color[i] = decode_srgb(color[i]);
+  return {.range_m = hit.range_m,
+          .error_bound_m = hit.error_bound_m,
+          .normal = -direction,
+          .base_color = glm::vec4(glm::min(color, glm::dvec3(1)), 1),
+          .material = list.materials[item.material].get(),
+          .item = hit.item,
+          .primitive = hit.primitive};
+}
+
 }  // namespace
 
 SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& direction,
                            const RayHit& hit) {
   const DrawItem& item = list.items[hit.item];
   const Mesh& mesh = *list.meshes[item.mesh];
+  if (mesh.splats) return point_of_splat(list, world_from_sensor, direction, hit);
   const Material& material = *list.materials[item.material];
   const MeshPlacement placement = place_mesh(list.world_from_node[item.transform], world_from_sensor);
   if (const auto point = point_of_shape(list, world_from_sensor, direction, hit)) return *point;

@@ -7,20 +7,6 @@
 namespace simvis {
 namespace {
 
-// The columns are the axes of the splat, of unit length.
-glm::dmat3 rotation_of(const Splat& splat) {
-  const glm::dvec4 q = glm::normalize(glm::dvec4(splat.rotation));
-  const double x = q.x, y = q.y, z = q.z, w = q.w;
-  return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z),     2 * (x * z - w * y),
-          2 * (x * y - w * z),     1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
-          2 * (x * z + w * y),     2 * (y * z - w * x),     1 - 2 * (x * x + y * y)};
-}
-
-glm::dvec3 thickened(const glm::vec3& sigma) {
-  const glm::dvec3 s(sigma);
-  return glm::max(s, glm::dvec3(kFlattestSplat * std::max({s.x, s.y, s.z})));
-}
-
 // The splats of one item.
 class ItemSplats {
  public:
@@ -51,8 +37,8 @@ class ItemSplats {
  private:
   SeenSplat place(const Splat& splat) const {
     SeenSplat seen;
-    const glm::dvec3 sigma = thickened(splat.sigma);
-    const glm::dmat3 axes = linear_ * rotation_of(splat);
+    const glm::dvec3 sigma = splat_sigma(splat);
+    const glm::dmat3 axes = linear_ * splat_rotation(splat);
     glm::dmat3 view_from_splat;
     for (int i = 0; i < 3; ++i) view_from_splat[i] = axes[i] * sigma[i];
     seen.splat_from_view = glm::inverse(axes);
@@ -62,7 +48,7 @@ class ItemSplats {
     seen.center_m = linear_ * glm::dvec3(splat.center) + offset_m_;
     seen.camera = -(seen.splat_from_view * seen.center_m);
     seen.opacity = splat.opacity;
-    seen.square_reach = 2 * std::log(seen.opacity / kMinSplatAlpha);
+    seen.square_reach = splat_square_reach(splat);
     seen.encoding = cloud_.encoding;
     seen.item = item_;
     glm::dmat3 half_axes = view_from_splat * std::sqrt(seen.square_reach);
@@ -87,6 +73,19 @@ class ItemSplats {
 };
 
 }  // namespace
+
+glm::dmat3 splat_rotation(const Splat& splat) {
+  const glm::dvec4 q = glm::normalize(glm::dvec4(splat.rotation));
+  const double x = q.x, y = q.y, z = q.z, w = q.w;
+  return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z),     2 * (x * z - w * y),
+          2 * (x * y - w * z),     1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
+          2 * (x * z + w * y),     2 * (y * z - w * x),     1 - 2 * (x * x + y * y)};
+}
+
+glm::dvec3 splat_sigma(const Splat& splat) {
+  const glm::dvec3 s(splat.sigma);
+  return glm::max(s, glm::dvec3(kFlattestSplat * std::max({s.x, s.y, s.z})));
+}
 
 bool has_splats(const DrawList& list) {
   if (std::ranges::none_of(list.meshes, [](const auto& mesh) { return mesh->splats != nullptr; })) return false;

@@ -57,10 +57,23 @@ inline SplatPeak peak_along(const SeenSplat& splat, double x, double y, double z
   return {-(c.x * u + c.y * v + c.z * w) / square, (a * a + b * b + d * d) / square};
 }
 
-/// The share of the light that a splat stops at this distance from its centre, 0 included.
-inline double alpha_at(const SeenSplat& splat, double square_distance) {
-  const double alpha = splat.opacity * std::exp(-square_distance / 2);
+/// The share of the light that a splat of this opacity stops at this distance from its centre, 0 included.
+inline double splat_alpha(double opacity, double square_distance) {
+  const double alpha = opacity * std::exp(-square_distance / 2);
   return alpha < kMinSplatAlpha ? 0 : std::min(alpha, kMaxSplatAlpha);
+}
+/// The same.
+inline double alpha_at(const SeenSplat& splat, double square_distance) {
+  return splat_alpha(splat.opacity, square_distance);
+}
+
+/// The axes of a splat in the frame of its mesh: columns of unit length.
+glm::dmat3 splat_rotation(const Splat& splat);
+/// Its standard deviations along these axes, none of which is too short: see kFlattestSplat.
+glm::dvec3 splat_sigma(const Splat& splat);
+/// The square of the distance in standard deviations beyond which it stops no light.
+inline double splat_square_reach(const Splat& splat) {
+  return 2 * std::log(static_cast<double>(splat.opacity) / kMinSplatAlpha);
 }
 
 /// Whether a visible item of the list has splats.

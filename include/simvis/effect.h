@@ -42,7 +42,9 @@ enum SensorCapability : std::uint8_t {
   kSeesSplats = 8,      ///< What it measures shows Gaussian splats. Others are warned of, see docs/gaussian-splats.md.
   /// Sees through a lens: calls CameraEffect::configure_rays() for what it sets but times of rows and the exposure.
   kHasLens = 16,
-  kShowsSurfaces = 32  ///< Its attribute `outputs` has the words of all outputs that show surfaces of pixels.
+  kShowsSurfaces = 32,  ///< Its attribute `outputs` has the words of all outputs that show surfaces of pixels.
+  /// With kSeesSplats: the caster that Sensor::cast() gets also hits splats, where half of the light of a ray is left.
+  kRaysHitSplats = 64
 };
 
 /// The description of an effect for the catalogue.

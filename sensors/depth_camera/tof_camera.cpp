@@ -70,7 +70,7 @@ const SensorRegistration kTofCameraRegistration(
      .notes = "Ranges begin again at c / (2 frequency). Pixels at edges, corners that reflect light from wall to wall, "
               "and noise over a small amplitude mislead it as they do a real one; each is off unless its attribute "
               "asks for it.",
-     .capabilities = kHasLens,
+     .capabilities = kHasLens | kSeesSplats | kRaysHitSplats,
      .attributes = rows_of<TofCameraDesc>().table(),
      .create = create_sensor<TofCamera, TofCameraDesc>,
      .presets = kTofPresets,
@@ -172,6 +172,10 @@ void TofCamera::cast(RayCaster& caster) {
   publish();
 }
 
+bool TofCamera::is_splat(const RayHit& hit) const {
+  return list_->meshes[list_->items[hit.item].mesh]->splats != nullptr;
+}
+
 std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, const PixelFan& fan) {
   const glm::dmat4 world_from_view = moment_.world_from_sensor * sensor_from_view();
   const auto& [pixels, directions, near_m] = fan;
@@ -184,6 +188,7 @@ std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, const
     const SurfacePoint surface = surface_point(*list_, world_from_view, directions[i], hit);
     const double reflected = reflectance(surface), cosine = -glm::dot(surface.normal, directions[i]);
     add(pixels[i], reflected * cosine / (hit.range_m * hit.range_m), 2 * hit.range_m);
+    if (is_splat(hit)) continue;
     lit.push_back({pixels[i], hit.range_m * directions[i], surface.normal, hit.range_m, reflected});
   }
   return lit;
@@ -210,7 +215,7 @@ std::vector<TofCamera::Path> TofCamera::cast_bounce(RayCaster& caster, const std
   caster.cast_from(world_from_view, origins_m, directions, hits, behind_m);
   std::vector<Path> paths;
   for (std::size_t i = 0; i < lit.size(); ++i) {
-    if (!std::isfinite(hits[i].range_m)) continue;
+    if (!std::isfinite(hits[i].range_m) || is_splat(hits[i])) continue;
     const glm::dvec3 lit_m = origins_m[i] + hits[i].range_m * directions[i];
     if (!optics_.shows(lit_m)) continue;  // the lamp does not shine there
     const SurfacePoint surface =

@@ -88,6 +88,8 @@ class TofCamera : public Sensor {
     double amplitude, length_m;
   };
   void add(std::uint32_t pixel, double amplitude, double length_m);
+  /// Splats return the light of the lamp, and reflect none to other surfaces.
+  bool is_splat(const RayHit& hit) const;
   std::vector<LitPoint> cast_direct(RayCaster& caster, const PixelFan& fan);
   std::vector<Path> cast_bounce(RayCaster& caster, const std::vector<LitPoint>& lit, std::uint32_t ray,
                                 std::uint32_t bounce) const;

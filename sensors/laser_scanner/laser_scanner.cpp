@@ -9,6 +9,7 @@
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
 #include "engine/base/decimal.h"
+#include "engine/splats/seen_splats.h"
 #include "sensors/laser_scanner/casting_order.h"
 
 namespace simvis {
@@ -108,6 +109,8 @@ void LaserScanner::update_effects(const DrawList& list) {
   effects_of_ = list.revisions;
   context_.medium = list.medium;
   effects_ = called_for(desc_.effects, list);
+  hits_splats_ = has_splats(list);
+  if (hits_splats_) order_beams();
   traced_.reset();
   if (!any_traces(effects_)) return;
   order_beams();
@@ -122,6 +125,7 @@ std::string LaserScanner::traced_for() const {
     if (each.called_for == nullptr || !each.effect->traces()) continue;
     names += (names.empty() ? "" : " ") + std::string(each.type->name);
   }
+  if (hits_splats_) names += (names.empty() ? "" : " ") + std::string("gaussian_splats");
   return names;
 }
 
@@ -194,7 +198,7 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   update_effects(list);
   const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
   survey_.reset();
-  if (desc_.method == ScanMethod::automatic && !traced_ && choice_.is_due(list)) {
+  if (desc_.method == ScanMethod::automatic && !traced_ && !hits_splats_ && choice_.is_due(list)) {
     SIMVIS_ASSERT(costs_ != CostModel{});
     survey_ = std::make_unique<MethodSurvey>(desc_.pattern, resolutions(desc_));
     if (can_render(desc_)) rounding_ = VertexRounding(list, sensor_from_world);
@@ -204,10 +208,10 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
                     plan, name_);
   }
-  if (casts(desc_.method) || traced_ || desc_.truth.any()) {
+  if (may_cast() || traced_ || desc_.truth.any()) {
     std::uint64_t max_rays = cast_.directions.size();
     for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
-    if (!casts(desc_.method) && !traced_) max_rays = 0;
+    if (!may_cast() && !traced_) max_rays = 0;
     if (desc_.truth.any() && !casts_every_beam()) max_rays += cast_.directions.size();
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays, .colors = traced_ != nullptr});
   }
@@ -218,9 +222,9 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
 
 std::string LaserScanner::cast_reason() const {
   std::ostringstream reason;
-  if (!casts(desc_.method) && !traced_) return "every beam of laser scanner " + name_ + ", for truth";
+  if (!may_cast() && !traced_) return "every beam of laser scanner " + name_ + ", for truth";
   reason << (renders() ? "beams" : "every beam") << " of laser scanner " << name_;
-  if (traced_) {
+  if (traced_ || hits_splats_) {
     if (const std::string names = traced_for(); !names.empty()) reason << ", for " << names;
     return reason.str();
   }
@@ -266,9 +270,7 @@ const ShapeRanges* LaserScanner::cast_shapes() {
 }
 
 // Whether the scanner's own rays are those of its truth: all beams, without any effect.
-bool LaserScanner::casts_every_beam() const {
-  return casts(desc_.method) && !traced_ && (survey_ != nullptr || !renders());
-}
+bool LaserScanner::casts_every_beam() const { return may_cast() && !traced_ && (survey_ != nullptr || !renders()); }
 
 void LaserScanner::cast(RayCaster& rays) {
   measures_truth_ = casts_every_beam();
@@ -277,7 +279,7 @@ void LaserScanner::cast(RayCaster& rays) {
     cast_in_order(rays, context_.world_from_sensor, cast_, cast_.directions, true_hits_);
   }
   if (traced_) return cast_traced(rays);
-  if (!casts(desc_.method)) {
+  if (!may_cast()) {
     if (desc_.truth.any()) publish();
     return;
   }
@@ -318,7 +320,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
       const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
       BeamReading& reading = readings_[cast_.order[every ? i : to_cast_[i]]];
       reading = read_range(range, limits_);
-      if (desc_.method != ScanMethod::raycast) checked.add(range, reading);
+      if (takes_tolerance(desc_.method)) checked.add(range, reading);
     }
     const std::lock_guard lock(checking);
     check.add(checked);
@@ -330,7 +332,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
     add_rays(work, before, rays.counters());
   }
   check.require(name_);
-  if (desc_.method == ScanMethod::automatic) choice_.measured(work, costs_);
+  if (desc_.method == ScanMethod::automatic && !hits_splats_) choice_.measured(work, costs_);
 }
 
 // Uses the most exact readings of the survey: every beam as cast.
@@ -387,7 +389,7 @@ SensorReport LaserScanner::report() const {
 
 std::optional<double> LaserScanner::cast_share() const {
   if (traced_) return 1;
-  if (!casts(desc_.method)) return {};
+  if (!may_cast()) return {};
   return static_cast<double>(hits_.size()) / static_cast<double>(cast_.directions.size());
 }
 

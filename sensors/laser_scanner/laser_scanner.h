@@ -12,7 +12,8 @@
 //            lists the candidates, and method_selector.h says when it chooses. A frame with a survey casts every beam.
 // In the scans of `hybrid` and `auto` every beam meets the tolerance; otherwise an error says which tolerance can be
 // met. If an effect follows beams (see simvis/scan_effect.h), every beam is cast, with any method, in those frames
-// whose scene calls for the effect.
+// whose scene calls for the effect. So it is in frames with Gaussian splats: beams hit them where half of the light is
+// left (engine/splats/splat_caster.h).
 //
 // Beams stand in an even grid, or as a beam table says (sensors/beam_tables), which is cast. A laser hits surfaces from
 // either side; surfaces that are blended with less than half coverage or masked out let it pass; it does not see lines
@@ -132,7 +133,8 @@ class LaserScanner : public Sensor, public Stateful {
  private:
   bool looks_back() const;
   std::string others() const;
-  bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
+  bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr && !hits_splats_; }
+  bool may_cast() const { return casts(desc_.method) || hits_splats_; }
   void archive_choice(StateArchive& state);
   void order_beams();
   void select_beams();
@@ -159,6 +161,7 @@ class LaserScanner : public Sensor, public Stateful {
   std::vector<ChosenScanEffect> effects_;  // the effects that this frame's scene calls for
   DrawList::Revisions effects_of_;         // of the list for which effects_ were chosen
   std::unique_ptr<TracedScan> traced_;     // null if none of effects_ follows beams
+  bool hits_splats_ = false;               // the list has splats, which no view draws: every beam is cast
   ScanContext context_;                    // of this frame
   const DrawList* list_ = nullptr;         // of this frame
   const SensedWorld* world_ = nullptr;     // of this frame, if it is needed

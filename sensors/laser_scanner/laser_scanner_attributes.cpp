@@ -128,7 +128,7 @@ const SensorRegistration kLaserScannerRegistration(
          "not start at one point, and each is cast. device:NAME names the table of a real device.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
-     .capabilities = kCastsBeams,
+     .capabilities = kCastsBeams | kSeesSplats | kRaysHitSplats,
      .attributes = rows_of<LaserScannerDesc>().table(),
      .create = create_sensor<LaserScanner, LaserScannerDesc>,
      .presets = laser_scanner_presets(),

@@ -38,7 +38,8 @@ const std::vector<TruthColumn>& all_columns() {
       {"hit", &ScanTruthDesc::hit, number(kTrueItem, "number of the mesh that the beam meets")},
       {"hit", &ScanTruthDesc::hit,
        number(kTruePrimitive,
-              "number of the triangle of that mesh; of a round shape the face: 0 round, 1 bottom, 2 top")},
+              "number of the triangle of that mesh, or of the splat; of a round shape the face: 0 round, 1 bottom, 2 "
+              "top")},
       {"instance", &ScanTruthDesc::instance,
        number(kTrueInstance, "id of the object that the beam meets, as in objects.csv")},
       {"semantic", &ScanTruthDesc::semantic, number(kTrueSemantic, "id of its class; 0: it has none")},
@@ -77,7 +78,8 @@ void measure(const ScanTruthDesc& desc, const MetSurfaces& met, std::size_t i, s
   };
   const glm::dvec3& direction = met.directions[i];
   const glm::dvec3 origin_m = met.origins_m.empty() ? glm::dvec3(0) : met.origins_m[i];
-  if (desc.normal)
+  const bool is_splat = met.list.meshes[met.list.items[hit.item].mesh]->splats != nullptr;
+  if (desc.normal && !is_splat)
     put(5, surface_point(met.list, glm::translate(met.world_from_sensor, origin_m), direction, hit).normal);
   if (!desc.looks_back()) return;
   const glm::dvec3 point_m(met.world_from_sensor * glm::dvec4(origin_m + hit.range_m * direction, 1));

@@ -41,6 +41,7 @@ const SensorRegistration kRadarRegistration(
      .summary = "A radar: detections with range, direction and radial speed, by the radar equation.",
      .notes = "Surfaces return by their projected areas, parts of known cross section by it. The radial speed follows "
               "from the true motion of what is met and of the sensor; above 0 it moves away.",
+     .capabilities = kSeesSplats | kRaysHitSplats,
      .message = "sensor_msgs/msg/PointCloud2",
      .attributes = rows_of<RadarDesc>().table(),
      .create = create_sensor<Radar, RadarDesc>,

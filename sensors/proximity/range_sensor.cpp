@@ -52,6 +52,7 @@ const SensorRegistration kRangeRegistration(
      .summary = "The distance along one beam, as laser rangefinders and time-of-flight sensors measure it.",
      .notes = "The beam leaves along +x. A range is inf if nothing is within range_max, and 0 if a surface is nearer "
               "than range_min.",
+     .capabilities = kSeesSplats | kRaysHitSplats,
      .message = "sensor_msgs/msg/Range",
      .attributes = rows_of<RangeSensorDesc>().table(),
      .create = create_sensor<RangeSensor, RangeSensorDesc>,

@@ -30,6 +30,7 @@ const SensorRegistration kSonarRegistration(
          "Each ray of the cone returns an echo that falls with the square of the range and with the angle of "
          "incidence. Slanted walls are therefore missed, and a wide cone reports its near edge.\nA range is inf if "
          "no echo reaches the threshold within range_max, and 0 if one does nearer than range_min.",
+     .capabilities = kSeesSplats | kRaysHitSplats,
      .message = "sensor_msgs/msg/Range",
      .attributes = rows_of<SonarDesc>().table(),
      .create = create_sensor<Sonar, SonarDesc>,

@@ -32,7 +32,7 @@ class BeamComparison {
         const Frame sensor = world_.sensor(with_.sensor, share);
         const Real a = azimuth + da, e = elevation + de;
         const Vector direction(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
-        return first_of(scene_, world_.hits(sensor.at, sensor.turn * direction, share), Seen::half, 0);
+        return first_along(sensor.at, sensor.turn * direction, share);
       };
       const Real share = with_.share_of_age(desc_.sweep_s > 0 ? age_s : Real(0));
       const std::string place = "beam " + std::to_string(beam) + " of ring " + std::to_string(ring);
@@ -46,17 +46,26 @@ class BeamComparison {
     const Real value = *with_.measurement().value("range_m");
     const Frame sensor = world_.sensor(with_.sensor, 1);
     const auto hit_at = [&](Real dy, Real dz) {
-      return first_of(scene_, world_.hits(sensor.at, sensor.turn * glm::normalize(Vector(1, dy, dz)), 1), Seen::half,
-                      0);
+      return first_along(sensor.at, sensor.turn * glm::normalize(Vector(1, dy, dz)), 1);
     };
     const ExactHit hit = hit_at(0, 0);
-    if (agrees(value, 0, hit) ||
+    if (agrees(value, 0, hit) || is_doubtful_ ||
         has_neighbour(hit, hit_at, [&](const ExactHit& each) { return agrees(value, 0, each); }))
       return;
     with_.fail("single beam", "", value, reading(hit.range_m), with_.rounding_m(hit));
   }
 
  private:
+  /// The surface or splat that a ray hits; splats stand where they are at the frame's time. Sets is_doubtful_.
+  ExactHit first_along(const Vector& origin, const Vector& direction, Real share) const {
+    const ExactHit surface = first_of(scene_, world_.hits(origin, direction, share), Seen::half, 0);
+    const HalfOfSplats half = half_of(world_.splats(origin, direction, 1), 0, surface.range_m);
+    is_doubtful_ = half.is_doubtful;
+    return half.hit.body >= 0 ? half.hit : surface;
+  }
+
+  bool is_splat(const ExactHit& hit) const { return hit.body >= 0 && with_.body(hit).kind == ShapeKind::splats; }
+
   /// A range, as a scanner reports it.
   Real reading(Real range_m) const {
     return range_m < Real(desc_.range_min_m) ? Real(0) : range_m > Real(desc_.range_max_m) ? kInfinite : range_m;
@@ -86,15 +95,15 @@ class BeamComparison {
   template <class HitAt>
   void range(const std::string& place, Real value, Real bound_m, const HitAt& hit_at) {
     const ExactHit hit = hit_at(0, 0);
-    const std::string check = desc_.method + " range";
-    const bool cast = desc_.method == "raycast" || desc_.method == "hybrid";
+    const std::string check = is_splat(hit) ? "range of splats" : desc_.method + " range";
+    const bool cast = desc_.method == "raycast" || desc_.method == "hybrid", is_doubtful = is_doubtful_;
     with_.count(check);
     if (std::isinf(bound_m)) {
       ++with_.tally.unbounded;
       if (cast) with_.fail(check + " unbounded", place, value, hit.range_m, 0);
       return;
     }
-    if (agrees(value, bound_m, hit)) return;
+    if (agrees(value, bound_m, hit) || is_doubtful) return;
     if (has_neighbour(hit, hit_at, [&](const ExactHit& each) { return agrees(value, bound_m, each); })) return;
     if (desc_.method != "raycast") {
       // Rendered: three pixels of the method's coarsest view.
@@ -112,6 +121,7 @@ class BeamComparison {
   template <class HitAt>
   void beam_truth(std::size_t i, const std::string& place, const HitAt& hit_at) {
     const ExactHit hit = hit_at(0, 0);
+    if (is_doubtful_) return;
     std::vector<Failure> wrong;
     if (truth_agrees(i, place, hit, &wrong)) return;
     if (has_neighbour(hit, hit_at, [&](const ExactHit& each) { return truth_agrees(i, place, each, nullptr); })) return;
@@ -135,9 +145,14 @@ class BeamComparison {
     const Real rounding = with_.rounding_m(hit);
     value("true_range_m", hit.range_m, rounding);
     for (const char* const kind : {"instance", "shape", "semantic"}) {
+      if (is_splat(hit) && kind == std::string("shape")) continue;
       value(std::string("true_") + kind, nothing ? kNone : with_.id(kind, hit.body), 0);
     }
     const Frame sensor = world_.sensor(with_.sensor, 1);
+    if (is_splat(hit)) {
+      for (const char* const axis : {"x", "y", "z"}) value(std::string("true_normal_") + axis, kNone, 0);
+      return all;
+    }
     const Vector normal = glm::transpose(sensor.turn) * hit.normal;
     const Real bend = with_.normal_rounding(hit, rounding);
     const Vector velocity =
@@ -162,6 +177,7 @@ class BeamComparison {
   const CombinedScene& scene_;
   const SensorDesc& desc_;
   const ExactWorld& world_;
+  mutable bool is_doubtful_ = false;  // rounding decides what the last ray of first_along() has hit
 };
 
 }  // namespace

@@ -32,7 +32,7 @@ enum class ShapeKind : std::uint8_t {
   heights,
   balls,  ///< points of a cloud
   discs,  ///< the same
-  splats  ///< seen by cameras alone
+  splats  ///< seen by cameras and beams
 };
 inline constexpr std::size_t kShapeKinds = 11;
 

@@ -1,6 +1,7 @@
 #include "tests/combinations/comparison.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <simvis/simulation.h>
@@ -31,6 +32,28 @@ ExactHit first_of(const CombinedScene& scene, const std::vector<ExactHit>& hits,
     if (hit.range_m >= behind_m && sees(scene.bodies[static_cast<std::size_t>(hit.body)].opacity, seen)) return hit;
   }
   return {};
+}
+
+HalfOfSplats half_of(const std::vector<SplatHit>& splats, Real near_m, Real end_m) {
+  constexpr Real kBehind = 1e-4L;  // drawn depths are wrong by their roundings, which slant magnifies
+  HalfOfSplats half;
+  Real left = 1, last_m = 0;
+  for (const auto& [hit, alpha] : splats) {
+    const Real close = kBehind * hit.range_m;
+    if (hit.range_m <= near_m - close || hit.range_m >= end_m + close) continue;
+    const bool was_light = left > Real(0.5);
+    left *= 1 - alpha;
+    const bool is_half = was_light && left <= Real(0.5);
+    const bool at_limit = std::abs(hit.range_m - near_m) < close || std::abs(hit.range_m - end_m) < close;
+    const bool at_threshold = std::abs(alpha * 255 - 1) < kSplatShare || std::abs(left - Real(0.5)) < kSplatShare;
+    // Splats at nearly one range may follow each other the other way round.
+    const bool at_half =
+        (is_half && hit.range_m - last_m < close) || (!was_light && hit.range_m - half.hit.range_m < close);
+    half.is_doubtful = half.is_doubtful || at_limit || at_threshold || at_half;
+    if (is_half) half.hit = hit;
+    last_m = hit.range_m;
+  }
+  return half;
 }
 
 Failure Comparison::failure(const std::string& check, const std::string& place, const std::string& text) const {

@@ -57,6 +57,14 @@ enum class Seen : std::uint8_t { half, any, opaque };
 /// The first surface along a ray beyond a range.
 ExactHit first_of(const CombinedScene& scene, const std::vector<ExactHit>& hits, Seen seen, Real behind_m);
 
+/// Where splats have stopped half of the light of a ray.
+struct HalfOfSplats {
+  ExactHit hit{};            ///< without a body: they leave more
+  bool is_doubtful = false;  ///< rounding decides
+};
+/// `splats` are all along the ray, the nearest first; those between the two ranges count.
+HalfOfSplats half_of(const std::vector<SplatHit>& splats, Real near_m, Real end_m);
+
 inline bool same_surface(const ExactHit& a, const ExactHit& b) { return a.body == b.body && a.face == b.face; }
 
 /// Calls visit(dx, dy) for the directions around one that are so far from it, as shares of a pixel or radians: rings

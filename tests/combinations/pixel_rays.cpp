@@ -4,13 +4,6 @@
 #include <cmath>
 
 namespace simvis::combined {
-namespace {
-
-// Drawn depths are wrong by their roundings, which slant magnifies.
-constexpr Real kSplatBehind = 1e-4L;
-
-}  // namespace
-
 bool ViewRays::is_cast() const {
   const SensorDesc& desc = with_.desc();
   return desc.lens != "none" || desc.layer != "visible" || has_word(desc.outputs, "normal") ||
@@ -55,25 +48,11 @@ PixelRay ViewRays::pixel(Real x_px, Real y_px, Real share) const {
   return result;
 }
 
-// The first splat behind which at most half of the light is left.
 void ViewRays::see_splats(PixelRay& pixel, const Frame& sensor, Real share) const {
-  const Real near = near_m(pixel.ray), end = pixel.surface.range_m;
-  Real left = 1, last_m = 0;
-  for (const auto& [hit, alpha] : with_.world.splats(sensor.at, sensor.turn * sensor_of_optical(pixel.ray), share)) {
-    const Real close = kSplatBehind * hit.range_m;
-    if (hit.range_m <= near - close || hit.range_m >= end + close) continue;
-    const bool was_light = left > Real(0.5);
-    left *= 1 - alpha;
-    const bool is_half = was_light && left <= Real(0.5);
-    const bool at_limit = std::abs(hit.range_m - near) < close || std::abs(hit.range_m - end) < close;
-    const bool at_threshold = std::abs(alpha * 255 - 1) < kSplatShare || std::abs(left - Real(0.5)) < kSplatShare;
-    // Splats at nearly one range may follow each other the other way round.
-    const bool at_half =
-        (is_half && hit.range_m - last_m < close) || (!was_light && hit.range_m - pixel.hit.range_m < close);
-    pixel.is_doubtful = pixel.is_doubtful || at_limit || at_threshold || at_half;
-    if (is_half) pixel.hit = hit;
-    last_m = hit.range_m;
-  }
+  const auto splats = with_.world.splats(sensor.at, sensor.turn * sensor_of_optical(pixel.ray), share);
+  const HalfOfSplats half = half_of(splats, near_m(pixel.ray), pixel.surface.range_m);
+  pixel.is_doubtful = pixel.is_doubtful || half.is_doubtful;
+  if (half.hit.body >= 0) pixel.hit = half.hit;
 }
 
 }  // namespace simvis::combined

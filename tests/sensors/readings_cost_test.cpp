@@ -59,7 +59,7 @@ CostlyRun run(Simulation& simulation) {
 std::vector<const SensorType*> reading_types() {
   std::vector<const SensorType*> types;
   for (const SensorType* type : sensor_types()) {
-    if ((type->capabilities & ~kHasLens) != 0 || type->name == "psd") continue;
+    if ((type->capabilities & ~(kHasLens | kSeesSplats | kRaysHitSplats)) != 0 || type->name == "psd") continue;
     if (type->name == "tof_camera" || type->name == "thermal_camera") continue;
     // tests/dynamics/force_sensors_test.cpp has those that need physics.
     if (type->name == "contact" || type->name == "force_torque") continue;

@@ -1,0 +1,219 @@
+// Range sensors that hit Gaussian splats: laser scanners of all methods, range sensors, sonars, radars and
+// time-of-flight cameras.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include "tests/support/error_of.h"
+#include "tests/support/splat_file.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("engine/splats");
+
+namespace simvis {
+namespace {
+
+using test::FileSplat;
+using test::splat_file;
+
+constexpr double kBall_m = 3, kSize_m = 0.4, kFace_m = 10;
+const FileSplat kBall{
+    .center_m = {kBall_m, 0, 0}, .sigma_m = glm::dvec3(kSize_m), .opacity = 0.9, .color = {1, 0.25, 0}};
+const std::string kBackWall =
+    "<part name='WALL' insert_at='ROOT' shape='box' size='0.2 40 40' pose_offset='10.1 0 0 0 0 0'/>";
+const std::string kBush = "<part name='S' file='s.ply' insert_at='ROOT'/>";
+
+Simulation with_splats(const std::string& xml, const std::vector<FileSplat>& splats = {kBall}) {
+  const TemporaryFolder folder;
+  write_text(folder / "s.ply", splat_file(splats));
+  Simulation simulation = Simulation::from_string("<s>" + xml + "</s>", {}, folder.path());
+  simulation.step();
+  return simulation;
+}
+
+std::string scanner(const std::string& attributes) {
+  return "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='41' min_angle='-20' max_angle='20' " +
+         attributes + "/>";
+}
+
+// The range of a beam at this azimuth: that of the point nearest to the centre, where at least half of the light stops.
+double expected_range_m(double azimuth_rad) {
+  const double square = std::pow(kBall_m * std::sin(azimuth_rad) / kSize_m, 2);
+  const bool stops = 0.9 * std::exp(-square / 2) >= 0.5;
+  return stops ? kBall_m * std::cos(azimuth_rad) : kFace_m / std::cos(azimuth_rad);
+}
+
+void check_scan(const Simulation& simulation) {
+  const Scan& scan = simulation.scan("SCAN");
+  std::size_t of_ball = 0;
+  for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
+    CAPTURE(beam);
+    const double range_m = expected_range_m(scan.azimuth_rad[beam]), of_float_m = range_m * 0x1p-24;
+    // The file has the centre, the logarithm of the size and the opacity as float32.
+    CHECK(std::abs(static_cast<double>(scan.range_m[beam]) - range_m) <=
+          static_cast<double>(scan.error_bound_m[beam]) + of_float_m);
+    CHECK(scan.error_bound_m[beam] < 1e-5f);
+    of_ball += range_m < kFace_m / 2;
+  }
+  CHECK(of_ball > 10);
+  CHECK(of_ball < scan.range_m.size() / 2);
+}
+
+TEST_CASE("scanners of all methods hit the splat where half of the light is left, and the wall beside it") {
+  for (const std::string method : {"raycast", "planar", "nearest", "hybrid", "auto"}) {
+    CAPTURE(method);
+    Simulation simulation = with_splats(kBackWall + kBush + scanner("method='" + method + "'"));
+    check_scan(simulation);
+    simulation.step();
+    check_scan(simulation);
+    CHECK(simulation.warnings().empty());
+    const FramePlan& plan = simulation.diagnostics().frame_plan();
+    CHECK(plan.passes.empty());
+    REQUIRE(plan.effects.size() == 1);
+    CHECK(plan.effects[0].effect == "gaussian_splats");
+    CHECK(contains(plan.casts.at(0).reason, "gaussian_splats"));
+  }
+}
+
+TEST_CASE("scanners that follow beams, and those with a beam table, hit the splat") {
+  for (const std::string attributes : {"intensity='on'", "divergence='0.01'", "return='strongest'", "sweep='0.01'"}) {
+    CAPTURE(attributes);
+    const Simulation simulation = with_splats(kBackWall + kBush + scanner(attributes + " range_max='20'"));
+    const Scan& scan = simulation.scan("SCAN");
+    const double middle = static_cast<double>(scan.range_m[20]);
+    CHECK(middle == doctest::Approx(kBall_m).epsilon(1e-3));
+    CHECK(static_cast<double>(scan.range_m[0]) ==
+          doctest::Approx(kFace_m / std::cos(glm::radians(20.0))).epsilon(1e-3));
+  }
+  const Simulation table =
+      with_splats(kBackWall + kBush +
+                  "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' pattern='device:velodyne_vlp16'/>");
+  const Scan& scan = table.scan("SCAN");
+  CHECK(std::ranges::count_if(scan.range_m, [](float range_m) { return range_m > 2.5f && range_m < 3.1f; }) > 100);
+}
+
+TEST_CASE("the intensity of a splat is that of a surface of its colour that faces the beam") {
+  const Simulation simulation =
+      with_splats(kBush + scanner("intensity='on' truth='normal instance hit' range_max='20'"));
+  const Scan& scan = simulation.scan("SCAN");
+  const double red = 1, green = std::pow((0.25 + 0.055) / 1.055, 2.4);
+  const auto intensity = scan.channel("intensity"), item = scan.channel("true_item"),
+             normal = scan.channel("true_normal_x"), instance = scan.channel("true_instance");
+  CHECK(intensity[20] > 0);
+  CHECK(intensity[20] <= std::max(red, green));
+  CHECK(item[20] == 0);
+  CHECK(instance[20] > 0);
+  CHECK(std::isnan(normal[20]));
+  CHECK(std::isnan(item[0]));
+}
+
+TEST_CASE("range sensors, sonars, radars and time-of-flight cameras see the splat as the wall that it is to them") {
+  const Simulation simulation = with_splats(
+      kBackWall + kBush + "<sensor type='range' name='RANGE' insert_at='ROOT' range_max='20'/>" +
+      "<sensor type='sonar' name='SONAR' insert_at='ROOT' range_max='20' opening='4' threshold='1e-3'/>" +
+      "<sensor type='radar' name='RADAR' insert_at='ROOT' horizontal_fov='8' vertical_fov='8'/>" +
+      "<sensor type='tof_camera' name='TOF' insert_at='ROOT' width='21' height='15' hfov='60' outputs='range' "
+      "bounce_rays='2'/>" +
+      "<sensor type='camera' name='CAM' insert_at='ROOT' width='21' height='15' hfov='60' outputs='range'/>");
+  CHECK(simulation.warnings().empty());
+  CHECK(simulation.value("RANGE", "range_m") == doctest::Approx(kBall_m).epsilon(1e-7));
+  CHECK(simulation.value("SONAR", "range_m") == doctest::Approx(kBall_m).epsilon(1e-3));
+  const Reading& radar = simulation.reading("RADAR");
+  REQUIRE(radar.rows() > 0);
+  CHECK(radar.find("range_m", 0) == doctest::Approx(kBall_m).epsilon(1e-2));
+  const Image tof = *to_image(*simulation.measurement("TOF").find("range")),
+              camera = *to_image(*simulation.measurement("CAM").find("range"));
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < tof.pixels.size(); ++i) {
+    if (!(camera.pixels[i] < 5)) continue;
+    ++near;
+    // The phase of the light has the range; both are float32.
+    CHECK(static_cast<double>(tof.pixels[i]) == doctest::Approx(static_cast<double>(camera.pixels[i])).epsilon(1e-6));
+  }
+  CHECK(near > 10);
+}
+
+TEST_CASE("a scanner and the middle of a camera's image see one range, wherever the cloud stands") {
+  std::vector<FileSplat> splats;
+  for (int i = 0; i < 300; ++i) {
+    FileSplat splat = kBall;
+    splat.center_m = {3 + std::sin(i * 1.7), 1.5 * std::sin(i * 0.9), 1.5 * std::cos(i * 2.3)};
+    splat.sigma_m = {0.02 + 0.01 * (i % 5), 0.1, 0.03 * (1 + i % 4)};
+    splat.opacity = 0.1 + 0.03 * (i % 25);
+    splats.push_back(splat);
+  }
+  Simulation simulation = with_splats(
+      kBackWall +
+          "<part name='AT' insert_at='ROOT'/><element type='pose' name='MOVE' insert_at='AT'/>"
+          "<part name='S' file='s.ply' insert_at='AT'/>"
+          "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='1' min_angle='0' max_angle='0'/>"
+          "<sensor type='camera' name='CAM' insert_at='ROOT' width='3' height='3' outputs='range'/>",
+      splats);
+  std::size_t of_cloud = 0, of_wall = 0;
+  for (int frame = 0; frame < 60; ++frame) {
+    simulation.set("MOVE", "y", 1.3 * std::sin(frame * 0.61));
+    simulation.set("MOVE", "z", 1.3 * std::cos(frame * 1.13));
+    simulation.set("MOVE", "roll", 7.0 * frame);
+    simulation.step();
+    const double of_scanner = static_cast<double>(simulation.scan("SCAN").range_m[0]),
+                 of_camera = static_cast<double>(to_image(*simulation.measurement("CAM").find("range"))->pixels[4]);
+    // Both are rounded to float32; the camera's wall is drawn with a bound of some roundings.
+    constexpr double kFloat = 4 * 0x1p-24;
+    CHECK(std::abs(of_scanner - of_camera) <= kFloat * of_camera);
+    (of_scanner < 6 ? of_cloud : of_wall) += 1;
+  }
+  CHECK(of_cloud > 10);
+  CHECK(of_wall > 10);
+}
+
+TEST_CASE("a part of splats moves and hides, and a scanner that ignores it measures as without it") {
+  const std::string moved =
+      "<part name='AT' insert_at='ROOT'/><element type='visibility' name='SHOW' insert_at='AT'/>"
+      "<element type='pose' name='MOVE' insert_at='AT'/>"
+      "<part name='S' file='s.ply' insert_at='AT'/>";
+  for (const std::string method : {"raycast", "planar", "auto"}) {
+    CAPTURE(method);
+    const std::string scan = "method='" + method + "'";
+    Simulation simulation = with_splats(kBackWall + moved + scanner(scan));
+    const auto middle = [&] {
+      simulation.step();
+      return static_cast<double>(simulation.scan("SCAN").range_m[20]);
+    };
+    simulation.set("MOVE", "x", 0.5);
+    CHECK(middle() == doctest::Approx(kBall_m + 0.5).epsilon(1e-7));
+    simulation.set("SHOW", "visible", 0);
+    CHECK(middle() == doctest::Approx(kFace_m).epsilon(1e-5));
+    CHECK(simulation.diagnostics().frame_plan().effects.empty());
+    simulation.set("SHOW", "visible", 1);
+    CHECK(middle() == doctest::Approx(kBall_m + 0.5).epsilon(1e-7));
+    const Simulation without = with_splats(kBackWall + scanner(scan)),
+                     ignoring = with_splats(kBackWall + kBush + scanner(scan + " ignore='S'"));
+    CHECK(std::ranges::equal(ignoring.scan("SCAN").range_m, without.scan("SCAN").range_m));
+    CHECK(ignoring.diagnostics().frame_plan().effects.empty());
+    CHECK(ignoring.diagnostics().frame_plan().passes.size() == without.diagnostics().frame_plan().passes.size());
+  }
+}
+
+TEST_CASE("hidden splats cost a scanner nothing") {
+  const std::string hidden =
+      "<part name='AT' insert_at='ROOT'/>"
+      "<element type='visibility' name='SHOW' insert_at='AT' visible='0'/>";
+  for (const std::string method : {"raycast", "planar", "hybrid"}) {
+    CAPTURE(method);
+    const std::string scan = scanner("method='" + method + "'");
+    const Simulation plain = with_splats(kBackWall + hidden + scan),
+                     with = with_splats(kBackWall + hidden + "<part name='S' file='s.ply' insert_at='AT'/>" + scan);
+    CHECK(std::ranges::equal(plain.scan("SCAN").range_m, with.scan("SCAN").range_m));
+    CHECK(plain.diagnostics().counters() == with.diagnostics().counters());
+    CHECK(with.diagnostics().frame_plan().effects.empty());
+  }
+}
+
+}  // namespace
+}  // namespace simvis
+
+TEST_SUITE_END();
