@@ -160,7 +160,8 @@ TEST_CASE("a rational lens ends at the pole of its divisor, and a tilted one whe
 }
 
 TEST_CASE("double spheres show what their pinhole sees of the second sphere") {
-  for (const auto& [xi, alpha] : {std::pair(-0.5, 0.2), {0.0, 0.9}, {-0.3, 0.8}, {-0.6, 0.3}}) {
+  for (const glm::dvec2& spheres : {glm::dvec2(-0.5, 0.2), {0, 0.9}, {-0.3, 0.8}, {-0.6, 0.3}}) {
+    const double xi = spheres.x, alpha = spheres.y;
     CAPTURE(xi);
     CAPTURE(alpha);
     // The pinhole sees the second sphere up to xi + cos = -w1 d2, w1 as in Usenko et al. 2018. Squared, with

@@ -91,7 +91,8 @@ TEST_CASE("polylines that are no polygon are left out with a warning") {
                                     {"<point>0 0</point><point>1 1</point><point>1 0</point><point>0 1</point>"
                                      "<point>-1 0.5</point><point>0.5 0.6</point>",
                                      "has sides that cross each other"}}) {
-    CAPTURE(why);
+    const std::string reason = why;
+    CAPTURE(reason);
     SdfScene scene(sdf_world("<model name='m'><link name='l'>" + sdf_box("1 1 1") +
                              sdf_visual("<polyline>" + std::string(points) + "<height>1</height></polyline>") +
                              "</link></model>"));
@@ -117,7 +118,8 @@ TEST_CASE("a <mimic> that cannot be followed is ignored with a warning") {
   for (const auto& [mimic, why] :
        {std::pair("<mimic joint='x'/>", "mimics joint \"x\", which is not there; it moves by itself"),
         {"<mimic joint='k'/>", "mimics itself in a circle"}}) {
-    CAPTURE(why);
+    const std::string reason = why;
+    CAPTURE(reason);
     SdfScene scene(joints_with(mimic));
     REQUIRE(scene.warnings().size() == 1);
     CHECK(contains(scene.warnings()[0], why));

@@ -301,13 +301,14 @@ TEST_CASE("f-theta lenses of Omniverse are taken over, and other lenses are a wa
   CHECK(std::stod(text("cx")) == 31);
   CHECK(std::stod(text("cy")) == 22.5);
   CHECK(taken.sensors[0].command.find("hfov") == nullptr);
-  for (const auto& [model, k0, k4] : {std::array{"ftheta", "0.1", "0"},
-                                      {"ftheta", "0", "-0.0001"},
-                                      {"ftheta", "0", "nan"},
-                                      {"kannalaBrandtK3", "0", "0"}}) {
-    CAPTURE(model);
-    CAPTURE(k4);
-    const BuiltScene left_out = scene(model, k0, k4);
+  using ModelAndEnds = std::array<const char*, 3>;  // model, k0 and k4
+  for (const ModelAndEnds& wrong : {ModelAndEnds{"ftheta", "0.1", "0"},
+                                    {"ftheta", "0", "-0.0001"},
+                                    {"ftheta", "0", "nan"},
+                                    {"kannalaBrandtK3", "0", "0"}}) {
+    CAPTURE(wrong[0]);
+    CAPTURE(wrong[2]);
+    const BuiltScene left_out = scene(wrong[0], wrong[1], wrong[2]);
     REQUIRE(left_out.sensors.size() == 1);
     CHECK(left_out.sensors[0].command.find("distortion") == nullptr);
     REQUIRE(left_out.scene.warnings().size() == 1);
