@@ -58,6 +58,7 @@ class Camera : public Sensor, public Stateful {
  public:
   Camera(const std::string& name, const CameraDesc& desc);
 
+  SensorReport report() const override { return eye_.report(); }
   bool draws() const override { return !desc_.paths.by_paths(); }
   void check(const TargetLimits& limits) const override { optics_.check(desc_, limits); }
   HistoryDependence history_dependence() const override;

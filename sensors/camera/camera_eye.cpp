@@ -406,7 +406,7 @@ void CameraEye::trace(RayCaster& caster) {
   const bool moving = moves();
   std::vector<std::vector<ItemPlace>> moved;
   std::vector<PixelRows> rows;
-  for (std::uint32_t sample = 0; sample < paths_->samples(); ++sample) {
+  for (std::uint32_t sample = 0; paths_->wants(sample); ++sample) {
     if (sample == 0 || moving) rows = all_rows(moved, paths_->time_s(sample));
     paths_->take(sample, caster, rows);
   }

@@ -77,6 +77,8 @@ class CameraEye {
   void finish_plan(FramePlan& plan);
 
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results);
+  /// What the last image by paths of light has reached.
+  SensorReport report() const { return paths_ ? paths_->report() : SensorReport(); }
   /// Takes colour by paths of light. `caster`'s world is the list of the frame. Throws InputError if it has splats.
   void trace(RayCaster& caster);
   /// `caster`'s world is EyeWorld::list.

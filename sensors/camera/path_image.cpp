@@ -1,7 +1,9 @@
 #include "sensors/camera/path_image.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 #include <utility>
@@ -27,13 +29,6 @@ CameraLayout at_once(CameraLayout layout) {
   return layout;
 }
 
-std::vector<SensorRandom> random_of_samples(std::uint64_t seed, const std::string& sensor, std::uint32_t samples) {
-  std::vector<SensorRandom> random;
-  random.reserve(samples);
-  for (std::uint32_t i = 0; i < samples; ++i) random.emplace_back(seed, sensor + "/path " + std::to_string(i));
-  return random;
-}
-
 // Whether a ray can meet what covers less than all, which casters let pass or take for solid.
 bool has_layers(const DrawList& list) {
   return std::ranges::any_of(list.materials, [](const std::shared_ptr<const Material>& material) {
@@ -49,6 +44,12 @@ bool has_thin_items(const DrawList& list) {
   });
 }
 
+std::string three_digits(double number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", number);
+  return text.data();
+}
+
 [[noreturn]] void refuse(const AttributeValues& attributes, std::string_view name, const std::string& why) {
   fail_at(attributes.where(name), "attribute \"" + std::string(name) + "\": " + why);
 }
@@ -61,8 +62,11 @@ AttributeRows<PathSampling> PathSampling::rows() {
       row(&Desc::light, "light", {{CameraLight::drawn, "drawn"}, {CameraLight::path, "path"}},
           "drawn: colour is drawn, with the light that comes straight from lamps; path: colour is the mean of random "
           "paths of light, without a Vulkan device"),
-      row(&Desc::samples, "samples", "", {.min = 1, .max = 65536},
+      row(&Desc::samples, "samples", "", {.min = 1, .max = PixelEstimate::kMaxSamples},
           "with light=\"path\": paths through each pixel; default: 16"),
+      row(&Desc::noise, "noise", "", kAboveZero,
+          "with light=\"path\", in place of samples: standard error of linear radiance, the root mean square over the "
+          "pixels of a tile of 16 x 16 and R, G and B; each tile takes the fewest samples for it, at least 18"),
       row(&Desc::bounces, "bounces", "", {.min = 0, .max = 64},
           "with light=\"path\": reflections of light between its source and the camera at most; 1: light that comes "
           "straight from its source; default: 4"),
@@ -76,6 +80,7 @@ void PathSampling::check(const AttributeValues& attributes, bool color, const Co
   if (!by_paths()) {
     const std::string why = "a drawn picture has none, expected light=\"path\" beside it";
     if (samples) refuse(attributes, "samples", why);
+    if (noise) refuse(attributes, "noise", why);
     if (bounces) refuse(attributes, "bounces", why);
     if (stddev) refuse(attributes, "outputs", "color_stddev: " + why);
     return;
@@ -83,6 +88,7 @@ void PathSampling::check(const AttributeValues& attributes, bool color, const Co
   if (!color && !stddev) {
     refuse(attributes, "light", "paths are of colour, expected color or color_stddev among outputs");
   }
+  if (samples && noise) refuse(attributes, "samples", "noise decides how many there are, expected one of the two");
   if (stddev && number_of_samples() < 2) {
     refuse(attributes, "samples", "one sample shows no standard deviation, expected at least 2 with color_stddev");
   }
@@ -107,10 +113,11 @@ PathImage::PathImage(const PathSampling& sampling, const std::string& sensor, st
                      const CameraLayout& layout, double near_m)
     : sampling_(sampling),
       sensor_(sensor),
-      random_(random_of_samples(seed, sensor, sampling.number_of_samples())),
+      seed_(seed),
       exposure_(layout.exposure),
       optics_(sensor, at_once(layout), near_m),
-      tracer_(sampling.number_of_bounces()) {
+      tracer_(sampling.number_of_bounces()),
+      estimate_(layout.width_px, layout.height_px, sampling.number_of_samples(), sampling.noise) {
   if (exposure_.magnification == glm::dvec3(1)) return;
   fail_at(exposure_.magnification_at,
           "attribute \"color_magnification\": paths have all colours, expected light=\"drawn\" or no magnification");
@@ -119,11 +126,12 @@ PathImage::PathImage(const PathSampling& sampling, const std::string& sensor, st
 // Each reflection casts a ray for the path, and one to each kind of light source.
 void PathImage::plan(const std::string& title, FramePlan& plan) const {
   constexpr std::uint64_t kRaysOfReflection = 4;
+  const std::uint32_t samples = sampling_.number_of_samples();
   plan.casts.push_back(
       {.name = sensor_,
-       .reason = "paths of light of " + title + ": " + std::to_string(samples()) + " through each pixel, of up to " +
-                 std::to_string(sampling_.number_of_bounces()) + " bounces",
-       .max_rays = optics_.pixels() * samples() * (1 + kRaysOfReflection * sampling_.number_of_bounces()),
+       .reason = "paths of light of " + title + ": " + (sampling_.noise ? "up to " : "") + std::to_string(samples) +
+                 " through each pixel, of up to " + std::to_string(sampling_.number_of_bounces()) + " bounces",
+       .max_rays = optics_.pixels() * samples * (1 + kRaysOfReflection * sampling_.number_of_bounces()),
        .colors = true});
 }
 
@@ -142,24 +150,22 @@ void PathImage::begin(const DrawList& list, const FrameTime& time) {
   is_own_ = has_layers(list);
   world_.set(is_own_ ? first_.follow(list) : list);
   frame_ = random_key(time);
-  of_sample_.assign(optics_.pixels(), glm::dvec3(0));
-  mean_ = deviations_ = of_sample_;
+  estimate_.begin();
 }
 
 double PathImage::time_s(std::uint32_t sample) const {
-  return exposure_.time_s == 0 ? 0 : -exposure_.time_s * random_[sample].uniform(frame_, kOfAllPixels, kTimeDraw);
+  return exposure_.time_s == 0 ? 0 : -exposure_.time_s * random_of(sample).uniform(frame_, kOfAllPixels, kTimeDraw);
 }
 
 void PathImage::take(std::uint32_t sample, RayCaster& caster, std::span<const PixelRows> rows) {
-  const SensorRandom& random = random_[sample];
+  const SensorRandom random = random_of(sample);
   glm::dvec2 lens_m(0);
   if (exposure_.aperture_m > 0) {
     const double radius = exposure_.aperture_m * std::sqrt(random.uniform(frame_, kOfAllPixels, kLensRadiusDraw));
     const double angle = 2 * std::numbers::pi * random.uniform(frame_, kOfAllPixels, kLensAngleDraw);
     lens_m = {radius * std::cos(angle), radius * std::sin(angle)};
   }
-  for (const PixelRows& each : rows) take_rows(caster, each, random, lens_m);
-  add(sample);
+  for (const PixelRows& each : rows) take_rows(caster, each, sample, lens_m);
 }
 
 // The lens is a pinhole at `lens_m`, through which the plane of focus is seen where the centre of the lens shows it.
@@ -174,8 +180,8 @@ PathStart PathImage::start(std::uint32_t pixel, const SensorRandom& random, cons
   return {pixel, direction, optics_.near_range_m(direction), kPixelDraws};
 }
 
-void PathImage::take_rows(RayCaster& caster, const PixelRows& rows, const SensorRandom& random,
-                          const glm::dvec2& lens_m) {
+void PathImage::take_rows(RayCaster& caster, const PixelRows& rows, std::uint32_t sample, const glm::dvec2& lens_m) {
+  const SensorRandom random = random_of(sample);
   const bool elsewhere = is_own_ || !rows.places.empty();
   const DrawList& list = elsewhere ? world_.place(rows.places) : *list_;
   tracer_.set({.list = &list,
@@ -190,23 +196,15 @@ void PathImage::take_rows(RayCaster& caster, const PixelRows& rows, const Sensor
     std::erase_if(starts_, [](const PathStart& each) { return each.direction == glm::dvec3(0); });
     radiance_.resize(starts_.size());
     tracer_.trace(starts_, random, frame_, radiance_);
-    for (std::size_t i = 0; i < starts_.size(); ++i) of_sample_[starts_[i].pixel] = radiance_[i];
+    for (std::size_t i = 0; i < starts_.size(); ++i) estimate_.add(sample, starts_[i].pixel, radiance_[i]);
     starts_.clear();
   };
   for_tiled_pixels(rows.first, rows.count, width_px, [&](std::uint32_t pixel) {
+    if (!estimate_.takes(sample, pixel)) return;
     starts_.push_back({.pixel = pixel});
     if (starts_.size() == kPathsAtOnce) trace();
   });
   trace();
-}
-
-// Welford, "Note on a Method for Calculating Corrected Sums of Squares and Products" (1962).
-void PathImage::add(std::uint32_t sample) {
-  for (std::size_t i = 0; i < mean_.size(); ++i) {
-    const glm::dvec3 before = of_sample_[i] - mean_[i];
-    mean_[i] += before / (sample + 1.0);
-    deviations_[i] += before * (of_sample_[i] - mean_[i]);
-  }
 }
 
 void PathImage::finish(Image& color) {
@@ -216,19 +214,31 @@ void PathImage::finish(Image& color) {
   color.channels = 4;
   stddev_.channels = 3;
   std::vector<float>&colors = color.pixels.overwrite(), &deviations = stddev_.pixels.overwrite();
-  colors.resize(4 * mean_.size());
-  deviations.resize(sampling_.stddev ? 3 * mean_.size() : 0);
-  const double per_square = 1 / (static_cast<double>(samples()) * (samples() - 1.0));
-  for (std::size_t i = 0; i < mean_.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto channel = static_cast<glm::length_t>(c);
-      colors[4 * i + c] = static_cast<float>(mean_[i][channel]);
-      if (sampling_.stddev) {
-        deviations[3 * i + c] = static_cast<float>(std::sqrt(std::max(0.0, deviations_[i][channel]) * per_square));
-      }
-    }
-    colors[4 * i + 3] = 1;
+  const std::uint32_t pixels = width_px * height_px;
+  colors.assign(4 * std::size_t{pixels}, 1);
+  deviations.resize(sampling_.stddev ? 3 * std::size_t{pixels} : 0);
+  for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
+    const glm::vec3 mean(estimate_.mean(pixel));
+    std::copy_n(&mean[0], 3, &colors[4 * std::size_t{pixel}]);
+    if (!sampling_.stddev) continue;
+    const glm::vec3 deviation(glm::sqrt(estimate_.variance(pixel)));
+    std::copy_n(&deviation[0], 3, &deviations[3 * std::size_t{pixel}]);
   }
+  if (sampling_.noise) reached_ = estimate_.reached();
+}
+
+SensorReport PathImage::report() const {
+  if (!reached_) return {};
+  const ReachedNoise& r = *reached_;
+  return {.notes = {{"path_samples", r.samples},
+                    {"max_path_samples", static_cast<double>(r.max_samples)},
+                    {"path_noise", r.error},
+                    {"max_path_noise", r.max_error}},
+          .explanation = "paths of " + sensor_ + ": " + three_digits(r.samples) + " samples in the mean, at most " +
+                         std::to_string(r.max_samples) + ", reach the standard error " + three_digits(r.error) +
+                         " of linear radiance, " + three_digits(r.max_error) + " in the tile with the most; " +
+                         std::to_string(r.tiles_above) + " of " + std::to_string(r.tiles) + " tiles are above " +
+                         format_number(*sampling_.noise) + '\n'};
 }
 
 }  // namespace simvis

@@ -5,6 +5,8 @@
 //          exposure and from one random point of the lens. Time and point are those of all pixels, so that errors of
 //          neighbours are alike where they come from these. Samples of one pixel are independent.
 // Error    color_stddev is the standard deviation of the mean of the samples, as their spread shows it.
+// pixel_estimate.h
+//          has both, and decides how many samples `noise` needs.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +20,12 @@
 #include <simvis/frame_plan.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
+#include <simvis/sensor_report.h>
 #include "engine/light/path_tracer.h"
 #include "scenegraph/language/attribute_rows.h"
 #include "sensors/camera/moved_world.h"
 #include "sensors/camera/pinhole_view.h"
+#include "sensors/camera/pixel_estimate.h"
 #include "sensors/camera/pixel_optics.h"
 #include "sensors/camera/pixel_rays.h"
 #include "sensors/camera/surface_layer.h"
@@ -38,11 +42,13 @@ enum class CameraLight : std::uint8_t {
 struct PathSampling {
   CameraLight light = CameraLight::drawn;
   std::optional<std::uint32_t> samples{}, bounces{};
-  bool stddev = false;  ///< color_stddev is measured
+  std::optional<double> noise{};  ///< in place of samples, see PixelEstimate
+  bool stddev = false;            ///< color_stddev is measured
   Location light_at{};
 
   bool by_paths() const { return light == CameraLight::path; }
-  std::uint32_t number_of_samples() const { return samples.value_or(16); }
+  /// Through each pixel; with `noise` at most.
+  std::uint32_t number_of_samples() const { return noise ? PixelEstimate::kMaxSamples : samples.value_or(16); }
   std::uint32_t number_of_bounces() const { return bounces.value_or(4); }
 
   static AttributeRows<PathSampling> rows();
@@ -59,12 +65,13 @@ class PathImage {
   PathImage(const PathSampling& sampling, const std::string& sensor, std::uint64_t seed, const CameraLayout& layout,
             double near_m);
 
-  std::uint32_t samples() const { return sampling_.number_of_samples(); }
   /// Adds the rays.
   void plan(const std::string& title, FramePlan& plan) const;
 
   /// Starts the image of a frame. Throws InputError if the list has Gaussian splats. The list must live until finish().
   void begin(const DrawList& list, const FrameTime& time);
+  /// Whether a sample is to be taken; all samples before it have been.
+  bool wants(std::uint32_t sample) { return estimate_.wants(sample); }
   /// The time of a sample relative to that of its rows, at most 0.
   double time_s(std::uint32_t sample) const;
   /// Takes a sample of all rows. `caster`'s world is the list.
@@ -72,15 +79,17 @@ class PathImage {
   /// Sets the image to the mean of the samples: linear RGB, and alpha, which is 1.
   void finish(Image& color);
   const Image& stddev() const { return stddev_; }
+  /// With `noise`: what the last image has reached.
+  SensorReport report() const;
 
  private:
-  void take_rows(RayCaster& caster, const PixelRows& rows, const SensorRandom& random, const glm::dvec2& lens_m);
+  SensorRandom random_of(std::uint32_t sample) const { return {seed_, sensor_ + "/path " + std::to_string(sample)}; }
+  void take_rows(RayCaster& caster, const PixelRows& rows, std::uint32_t sample, const glm::dvec2& lens_m);
   PathStart start(std::uint32_t pixel, const SensorRandom& random, const glm::dvec2& lens_m) const;
-  void add(std::uint32_t sample);
 
   PathSampling sampling_;
   std::string sensor_;
-  std::vector<SensorRandom> random_;  // by sample
+  std::uint64_t seed_;
   ColorExposure exposure_;
   PixelOptics optics_;
   PathTracer tracer_;
@@ -90,9 +99,9 @@ class PathImage {
   bool is_own_ = false;  // rays hit what the copy of the list has
   std::uint64_t frame_ = 0;
   std::vector<PathStart> starts_;
-  std::vector<glm::dvec3> radiance_;           // by start
-  std::vector<glm::dvec3> of_sample_;          // by pixel
-  std::vector<glm::dvec3> mean_, deviations_;  // by pixel; the latter sums of squares
+  std::vector<glm::dvec3> radiance_;  // by start
+  PixelEstimate estimate_;
+  std::optional<ReachedNoise> reached_;
   Image stddev_;
 };
 

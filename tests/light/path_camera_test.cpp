@@ -119,6 +119,10 @@ TEST_CASE("what contradicts the light is refused at its place, with what is allo
   const std::string whole = "paths go through the whole square of each pixel, expected light=\"drawn\" beside it";
   const std::vector<Row> rows{
       {"samples='4'", "samples", "attribute \"samples\": " + drawn},
+      {"noise='0.1'", "noise", "attribute \"noise\": " + drawn},
+      {"light='path' noise='0'", "noise", "expected a number greater than 0"},
+      {"light='path' noise='-1'", "noise", "expected a number greater than 0"},
+      {"light='path' noise='0.1' samples='4'", "samples", "noise decides how many there are, expected one of the two"},
       {"bounces='4'", "bounces", "attribute \"bounces\": " + drawn},
       {"outputs='color_stddev'", "outputs", "attribute \"outputs\": color_stddev: " + drawn},
       {"light='paths'", "light", "expected one of: drawn, path"},
@@ -152,6 +156,45 @@ TEST_CASE("what contradicts the light is refused at its place, with what is allo
     CHECK(refusal(row.attributes, "", folder.path()) == "nothing was thrown");
     CHECK(refusal(row.attributes + " ignore='MORE'", more, folder.path()) == "nothing was thrown");
   }
+}
+
+// A room whose far half is dark, so that its tiles need no more than the pilot.
+TEST_CASE(
+    "with noise, tiles take the samples that they need, for any number of threads, and a report says what they reach") {
+  const auto run = [](unsigned threads, const std::string& attributes) {
+    SimulationDesc desc;
+    desc.threads = threads;
+    Simulation simulation = Simulation::from_string(
+        "<simvis>" + kRoom +
+            camera("width='48' height='32' light='path' bounces='1' outputs='color color_stddev' " + attributes) +
+            "</simvis>",
+        desc);
+    simulation.step();
+    return simulation;
+  };
+  const Simulation once = run(1, "noise='0.004'");
+  const Measurement measured = once.measurement("C");
+  const auto numbers = [](const Measurement& of, const char* name) {
+    std::vector<double> all;
+    const MeasuredArray& array = *of.find(name);
+    for (std::size_t i = 0; i < array.count(); ++i) all.push_back(array.number(i));
+    return all;
+  };
+  for (const unsigned threads : {2u, 5u}) {
+    const Simulation other = run(threads, "noise='0.004'");
+    CHECK(numbers(other.measurement("C"), "color") == numbers(measured, "color"));
+    CHECK(numbers(other.measurement("C"), "color_stddev") == numbers(measured, "color_stddev"));
+  }
+  const SensorInfo info = once.sensors().front();
+  CHECK(contains(info.report.explanation, "paths of C: "));
+  CHECK(contains(info.report.explanation, " of 6 tiles are above 0.004\n"));
+  CHECK(*info.number("path_samples") >= 18);
+  CHECK(*info.number("max_path_samples") > *info.number("path_samples"));
+  CHECK(*info.number("max_path_noise") < 1.5 * 0.004);
+  double square = 0;
+  for (const double deviation : numbers(measured, "color_stddev")) square += deviation * deviation;
+  CHECK(std::sqrt(square / (3 * 48 * 32)) == doctest::Approx(*info.number("path_noise")).epsilon(1e-5));
+  CHECK(run(1, "samples='2'").sensors().front().report.explanation.empty());
 }
 
 TEST_CASE("a scene with a path camera that is off costs what it costs without it") {

@@ -28,6 +28,7 @@ inline const std::multimap<std::string_view, std::string> kAttributes = {
     {"camera", "outputs='color depth' width='32' height='20' distortion='brown_conrady' k1='-0.2'"},
     {"camera", "outputs='color instance boxes silhouettes' width='32' height='20'"},
     {"camera", "light='path' samples='3' bounces='2' outputs='color color_stddev depth' width='16' height='10'"},
+    {"camera", "light='path' noise='0.05' bounces='1' outputs='color color_stddev' width='32' height='20'"},
     {"camera", "outputs='instance flow_backward scene_flow' width='32' height='20'"},
     {"camera", "outputs='flow_backward flow_forward occlusion layers' max_layers='3' width='32' height='20'"},
     {"stereo_camera", "width='32' height='20'"},
