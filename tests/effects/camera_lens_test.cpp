@@ -348,6 +348,7 @@ TEST_CASE("a wrong lens is an error with its place") {
            {R"(distortion="ftheta" polynomial="0")", "expected two to six finite numbers"},
            {R"(distortion="ftheta" polynomial="0 400 0 0 0 0 0")", "expected two to six finite numbers"},
            {R"(distortion="ftheta" polynomial="1 400")", "of which the first is 0"},
+           {R"(distortion="ftheta_backward" polynomial="0 1e-320")", "and the second is above 0"},
            {R"(distortion="ftheta_backward" polynomial="0 -1")", "and the second is above 0"},
            {R"(distortion="ftheta" polynomial="0 400 -200")", "this one folds at 200 px from the principal point"},
            {R"(distortion="ftheta_backward" polynomial="0 0.005 -2e-5")", "this one folds at 125 px"},
