@@ -38,6 +38,7 @@
 #include "program/output/atomic_file.h"
 #include "program/report/camera_costs.h"
 #include "program/report/cost_report.h"
+#include "program/report/light_costs.h"
 #include "program/report/scanner_costs.h"
 #include "program/report/scene_schema.h"
 #include "program/report/type_reference.h"
@@ -82,16 +83,18 @@ bool has_scanner(const Simulation& simulation) {
 
 /// Throws if --sensor names a sensor without such a list, or if there is none.
 void check_costed(const Options& options, const Simulation& simulation) {
-  const std::vector<std::string> cameras = costed_cameras(simulation);
+  const std::vector<std::string> cameras = costed_cameras(simulation), lights = costed_lights(simulation);
   for (const SensorInfo& sensor : simulation.sensors()) {
     const bool scanner = sensor.enabled && (sensor.capabilities & kCastsBeams) != 0;
-    if (options.sensors.empty() || !sensor.enabled || scanner || std::ranges::count(cameras, sensor.name)) continue;
+    if (options.sensors.empty() || !sensor.enabled || scanner || std::ranges::count(cameras, sensor.name) ||
+        std::ranges::count(lights, sensor.name)) {
+      continue;
+    }
     throw InputError("--sensor " + sensor.name +
                      ": --price lists laser scanners and cameras with colour, and this is of type " + sensor.type);
   }
-  if (!has_scanner(simulation) && cameras.empty()) {
-    throw InputError(
-        "--price: there is no enabled laser scanner and no camera that draws colour, expected at least one");
+  if (!has_scanner(simulation) && cameras.empty() && lights.empty()) {
+    throw InputError("--price: there is no enabled laser scanner and no camera with colour, expected at least one");
   }
 }
 
@@ -145,9 +148,11 @@ void list_costs(const Options& options) {
     progress->update(done, std::chrono::steady_clock::now());
   };
   if (options.names_out) make_folder(options.out);
-  const bool cameras = !costed_cameras(simulation).empty(), scanners = has_scanner(simulation);
-  CostFile csv(options, "price.csv", scanners), camera_csv(options, "camera_price.csv", cameras);
-  // A measurement consumes its simulation: the second one loads the scene again.
+  const bool cameras = !costed_cameras(simulation).empty(), lights = !costed_lights(simulation).empty(),
+             scanners = has_scanner(simulation);
+  CostFile csv(options, "price.csv", scanners), camera_csv(options, "camera_price.csv", cameras),
+      light_csv(options, "light_price.csv", lights);
+  // A measurement consumes its simulation: the next one loads the scene again.
   auto take = [&, loaded = std::optional(std::move(simulation))]() mutable {
     std::optional<Simulation> next = std::exchange(loaded, std::nullopt);
     return next ? *std::move(next) : load(options, loading);
@@ -157,12 +162,18 @@ void list_costs(const Options& options) {
     all_camera_costs = camera_costs(take(), desc);
     progress.reset();
   }
+  std::vector<LightCosts> all_light_costs;
+  if (lights) {
+    all_light_costs = light_costs(take(), desc);
+    progress.reset();
+  }
   std::vector<ScannerCosts> all_costs;
   if (scanners) all_costs = scanner_costs(take(), desc);
   loading.reset();
   progress.reset();
   if (scanners) csv.write(to_csv(all_costs));
   if (cameras) camera_csv.write(to_csv(all_camera_costs));
+  if (lights) light_csv.write(to_csv(all_light_costs));
   if (options.quiet) return;
   std::cout << "on " << device.info().name
             << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves") << "\n\n";
@@ -170,8 +181,13 @@ void list_costs(const Options& options) {
   if (scanners) std::cout << cost_legend();
   for (const CameraCosts& costs : all_camera_costs) std::cout << (scanners ? "\n" : "") << to_table(costs) << '\n';
   if (cameras) std::cout << camera_cost_legend();
+  for (const LightCosts& costs : all_light_costs) {
+    std::cout << (scanners || cameras ? "\n" : "") << to_table(costs) << '\n';
+  }
+  if (lights) std::cout << light_cost_legend();
   csv.say();
   camera_csv.say();
+  light_csv.say();
 }
 
 /// Rasterisers on the CPU allocate and free megabytes for each draw. By default glibc returns such memory to the

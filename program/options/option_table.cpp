@@ -333,9 +333,10 @@ constexpr OptionSpec kOptions[] = {
     {.group = Group::reports,
      .names = "--price",
      .target = at<&Options::price>,
-     .text = "print what each method of each laser scanner and each `max_error_px` of each camera costs and is worth "
-             "in this scene, over `--frames` frames, along the trajectory if there is one; also as `DIR/price.csv` "
-             "and `DIR/camera_price.csv` where `--out` is given; `--sensor` chooses some of them",
+     .text = "print what each method of each laser scanner, and each `max_error_px` and each kind of light of each "
+             "camera, costs and is worth in this scene, over `--frames` frames, along the trajectory if there is one; "
+             "also as `DIR/price.csv`, `DIR/camera_price.csv` and `DIR/light_price.csv` where `--out` is given; "
+             "`--sensor` chooses some of them",
      .facts = [] { return std::to_string(CostDesc().frames) + " frames by default"; }},
     {.group = Group::reports,
      .names = "--compare",

@@ -147,7 +147,7 @@ class CameraCostRun {
       Variant variant{.sensor = CostRun::variant_name(camera, variants.size()),
                       .times = {},
                       .costs = {.max_error_px = value, .in_scene = value == own, .change = {}}};
-      run_.add(camera, with_max_error(command, value, variant.sensor), variant.sensor);
+      run_.add(camera, with_max_error(command, value, variant.sensor), variant.sensor, run_.frames_of_turns());
       variants.push_back(std::move(variant));
     }
   }

@@ -35,17 +35,22 @@ std::string CostRun::variant_name(const std::string& sensor, std::size_t number)
   return sensor + "." + std::to_string(number);
 }
 
-void CostRun::add(const std::string& sensor, const Command& command, const std::string& name) {
+void CostRun::add(const std::string& sensor, const Command& command, const std::string& name, std::uint64_t frames) {
   simulation_.add_variant(sensor, command);
   simulation_.enable(name, false);
-  all_frames_ += 2 * (desc_.warm_up + desc_.frames);
+  all_frames_ += frames;
 }
 
 FrameTimes CostRun::time(const std::string& variant, const std::string& what, std::uint64_t frame) {
   simulation_.enable(variant, true);
   step(frame - 1);
-  if (simulation_.measured().empty()) throw InputError(what + " cannot be priced: its part is switched off");
+  return time_alone(variant, what, frame);
+}
+
+FrameTimes CostRun::time_alone(const std::string& variant, const std::string& what, std::uint64_t frame) {
+  simulation_.enable(variant, true);
   const FrameTimes times = step(frame);
+  if (simulation_.measured().empty()) throw InputError(what + " cannot be priced: its part is switched off");
   simulation_.enable(variant, false);
   return times;
 }

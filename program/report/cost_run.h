@@ -50,12 +50,16 @@ class CostRun {
   /// A name that no sensor of the scene has: names in a scene contain no dot.
   static std::string variant_name(const std::string& sensor, std::size_t number);
 
-  /// Adds a sensor with this command and this name where `sensor` is, turned off.
-  void add(const std::string& sensor, const Command& command, const std::string& name);
+  /// Adds a sensor with this command and this name where `sensor` is, turned off. It is to make so many frames.
+  void add(const std::string& sensor, const Command& command, const std::string& name, std::uint64_t frames);
+  /// The frames of a sensor that is timed in each turn.
+  std::uint64_t frames_of_turns() const { return 2 * (desc_.warm_up + desc_.frames); }
 
   /// The time of `frame` in which this variant measures alone, after the frame before it. Throws InputError if it does
   /// not measure; `what` names the sensor of the scene.
   FrameTimes time(const std::string& variant, const std::string& what, std::uint64_t frame);
+  /// The same without the frame before it.
+  FrameTimes time_alone(const std::string& variant, const std::string& what, std::uint64_t frame);
 
  private:
   FrameTimes step(std::uint64_t frame);

@@ -95,7 +95,8 @@ class ScannerCostRun {
     const ScanVariants variants = scan_variants(command);
     for (const ScanVariant& variant : variants.*desc_.variants) {
       scanner.sensors.push_back(CostRun::variant_name(name, scanner.sensors.size()));
-      run_.add(name, with_variant(command, variant, scanner.sensors.back()), scanner.sensors.back());
+      run_.add(name, with_variant(command, variant, scanner.sensors.back()), scanner.sensors.back(),
+               run_.frames_of_turns());
       scanner.all_costs.push_back({.variant = variant, .in_scene = variant == variants.own});
     }
     scanner.reference = reference_of(scanner.all_costs);
