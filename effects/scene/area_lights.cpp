@@ -1,5 +1,5 @@
 // The effect `area_lights`: lamps with a size, and the sky as a lamp. What they are made of: elements/lamp.h and
-// elements/sky_light.cpp.
+// elements/sky_light.h.
 #include <algorithm>
 #include <string>
 
