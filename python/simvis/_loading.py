@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Self
+from typing import TYPE_CHECKING
 
 from ._core import Core, Settings, VectorCore
 from ._mistakes import checked_keywords
 from ._scenes import scene_file, scene_text
+
+if TYPE_CHECKING:
+    from typing import Self  # since Python 3.11
 
 
 class Loading(Core):
