@@ -63,23 +63,24 @@ void VectorSimulation::set(std::string_view element, std::string_view parameter,
   }
   const auto each = [&](const auto& visit) {
     for (const std::size_t i : impl().all) {
-      Parameters& parameters = impl().environments[i]->parameters();
-      visit(i, parameters, parameters.index(element, parameter), values[values.size() == 1 ? 0 : i]);
+      VectorSimulationImpl::call_named(i, [&] {
+        Parameters& parameters = impl().environments[i]->parameters();
+        visit(parameters, parameters.index(element, parameter), values[values.size() == 1 ? 0 : i]);
+      });
     }
   };
-  each([](std::size_t i, const Parameters& parameters, std::size_t index, double value) {
+  each([](const Parameters& parameters, std::size_t index, double value) {
     const std::string wrong = check_number(parameters.spec(index), value);
-    if (!wrong.empty()) {
-      throw InputError(parameters.name(index) + ": " + wrong + " (environment " + std::to_string(i) + ")");
-    }
+    if (!wrong.empty()) throw InputError(parameters.name(index) + ": " + wrong);
   });
-  each([](std::size_t, Parameters& parameters, std::size_t index, double value) { parameters.set(index, value); });
+  each([](Parameters& parameters, std::size_t index, double value) { parameters.set(index, value); });
 }
 
 std::vector<double> VectorSimulation::get(std::string_view element, std::string_view parameter) const {
-  std::vector<double> values;
-  values.reserve(size());
-  for (const auto& each : impl().environments) values.push_back(each->get(element, parameter));
+  std::vector<double> values(size());
+  for (const std::size_t i : impl().all) {
+    VectorSimulationImpl::call_named(i, [&] { values[i] = impl().environments[i]->get(element, parameter); });
+  }
   return values;
 }
 

@@ -98,10 +98,50 @@ VectorOutput describe_output(SimulationImpl& simulation, std::size_t environment
   return described;
 }
 
+/// Throws a failure again; the message of one of SimVis ends with `which`.
+[[noreturn]] void throw_named(const std::exception_ptr& failure, const std::string& which) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const InputError& error) {
+    throw InputError(error.what() + which);
+  } catch (const OutletError& error) {
+    throw OutletError(error.what() + which);
+  } catch (const MachineError& error) {
+    throw MachineError(error.what() + which);
+  }
+}
+
+/// Whether the frame was made, and a consumer of it has failed.
+bool is_of_consumer(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const OutletError&) {
+    return true;
+  } catch (...) {
+    return false;
+  }
+}
+
 /// Gives the output memory that no copy holds.
 void begin_rows(VectorOutput& output) {
   const std::size_t count = size_product({output.environments, numbers_of(output.output.shape)});
   std::visit([&](auto& numbers) { numbers.overwrite().resize(count); }, output.numbers);
+}
+
+/// The row of one environment, after begin_rows().
+template <typename Number>
+std::span<Number> row_of(SharedArray<Number>& numbers, const OutputShape& shape, std::size_t environment) {
+  const std::size_t count = numbers_of(shape);
+  return {numbers.edit().data() + environment * count, count};
+}
+
+/// Writes the row of an environment that does not give the output in its shape.
+void write_nothing(VectorOutput& output, std::size_t environment) {
+  std::visit(
+      [&]<typename Number>(SharedArray<Number>& numbers) {
+        std::ranges::fill(row_of(numbers, output.output.shape, environment), kNothing<Number>);
+      },
+      output.numbers);
 }
 
 template <typename Number>
@@ -140,15 +180,17 @@ VectorSimulationImpl::VectorSimulationImpl(UnbuiltScene unbuilt, std::size_t cou
   environments[0] = load(desc.seed);  // alone: its errors are those of the scene, and the others find its caches
   std::atomic<std::size_t> loaded{1};
   const std::thread::id caller = std::this_thread::get_id();
+  const auto report = [&](std::size_t done) {
+    if (given.progress) given.progress({"loading environments", done, count});
+  };
   pool->parallel_for(count - 1, 1, [&](std::size_t, std::size_t first, std::size_t pieces) {
     for (std::size_t i = first + 1; i < first + 1 + pieces; ++i) {
-      environment_call()([&] { environments[i] = load(desc.seed + i); });
-      ++loaded;
-      if (given.progress && std::this_thread::get_id() == caller) {
-        given.progress({"loading environments", loaded.load(), count});
-      }
+      call_named(i, [&] { environment_call()([&] { environments[i] = load(desc.seed + i); }); });
+      const std::size_t done = ++loaded;
+      if (done < count && std::this_thread::get_id() == caller) report(done);
     }
   });
+  report(count);
 }
 
 std::unique_ptr<Simulation> VectorSimulationImpl::load(std::uint64_t seed) const {
@@ -195,15 +237,14 @@ void VectorSimulationImpl::throw_any(const Failures& failures) {
   if (indices.empty()) return;
   std::string which = " (environment " + std::to_string(indices[0]);
   if (indices.size() > 1) which += "; these have failed too: " + names_of(std::span(indices).subspan(1));
-  which += ")";
+  throw_named(failures[indices[0]], which + ")");
+}
+
+void VectorSimulationImpl::call_named(std::size_t environment, const std::function<void()>& work) {
   try {
-    std::rethrow_exception(failures[indices[0]]);
-  } catch (const InputError& error) {
-    throw InputError(error.what() + which);
-  } catch (const OutletError& error) {
-    throw OutletError(error.what() + which);
-  } catch (const MachineError& error) {
-    throw MachineError(error.what() + which);
+    work();
+  } catch (...) {
+    throw_named(std::current_exception(), " (environment " + std::to_string(environment) + ")");
   }
 }
 
@@ -213,19 +254,21 @@ void VectorSimulationImpl::step(Environments stepped, const std::function<void(S
   for (const std::size_t i : stepped) steps[i] = true;
   for (VectorOutput& each : outputs) begin_rows(each);
   const Failures failures = for_each(all, [&](std::size_t i) {
-    for (const VectorOutput& each : outputs) check_output(i, each);
     std::exception_ptr failure;
     try {
+      for (const VectorOutput& each : outputs) check_output(i, each);
       if (steps[i]) make_frame(*environments[i]);
     } catch (...) {
       failure = std::current_exception();
     }
-    for (VectorOutput& each : outputs) collect(i, each);
+    for (VectorOutput& each : outputs) {
+      failure && !fits(i, each) ? write_nothing(each, i) : collect(i, each);
+    }
     if (failure) std::rethrow_exception(failure);
   });
   failed.clear();
   for (const std::size_t i : all) {
-    if (failures[i]) failed.push_back(i);
+    if (steps[i] && failures[i] && !is_of_consumer(failures[i])) failed.push_back(i);
   }
   throw_any(failures);
 }
@@ -254,14 +297,22 @@ void VectorSimulationImpl::check_output(std::size_t environment, const VectorOut
                    to_string(output.output.shape));
 }
 
+bool VectorSimulationImpl::fits(std::size_t environment, const VectorOutput& output) const {
+  try {
+    check_output(environment, output);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
 void VectorSimulationImpl::collect(std::size_t environment, VectorOutput& output) const {
   const SimulationUse use = environments[environment]->impl();
   const MeasuredArray& array = *array_of(use->sensors.measurement(output.sensor), output.output.name);
   const OutputShape& shape = output.output.shape;
   std::visit(
-      [&]<typename Number>(SharedArray<Number>& numbers) {  // no copy holds them, since begin_rows()
-        const std::size_t count = numbers_of(shape);
-        const std::span<Number> row(numbers.edit().data() + environment * count, count);
+      [&]<typename Number>(SharedArray<Number>& numbers) {
+        const std::span<Number> row = row_of(numbers, shape, environment);
         if (array.count() == 0) {
           std::ranges::fill(row, kNothing<Number>);
         } else if constexpr (std::is_same_v<Number, std::uint8_t>) {

@@ -45,12 +45,17 @@ struct VectorSimulationImpl {
   Failures for_each(Environments environments, const std::function<void(std::size_t)>& work) const;
   /// Throws the first failure, and says which environments have failed.
   static void throw_any(const Failures& failures);
+  /// Calls `work`, which is about one environment; the message of its error says which.
+  static void call_named(std::size_t environment, const std::function<void()>& work);
 
-  /// Calls `make_frame` for these environments, and collects the outputs of all.
+  /// Calls `make_frame` for these environments, and collects the outputs of all. An environment that does not give an
+  /// output in its shape makes no frame, and its row there shows nothing.
   void step(Environments stepped, const std::function<void(Simulation&)>& make_frame);
   const VectorOutput& output(std::string_view sensor, std::string_view output);
   /// Throws InputError if an environment, whose scene may have been changed, does not give the output in its shape.
   void check_output(std::size_t environment, const VectorOutput& output) const;
+  /// Whether check_output() throws no InputError.
+  bool fits(std::size_t environment, const VectorOutput& output) const;
   /// Writes the row of one environment.
   void collect(std::size_t environment, VectorOutput& output) const;
 
@@ -61,7 +66,7 @@ struct VectorSimulationImpl {
   std::vector<std::size_t> all;  // the indices of all environments
   std::vector<std::shared_ptr<Simulation>> environments;
   std::list<VectorOutput> outputs;  // in a list, because callers hold references
-  std::vector<std::size_t> failed;
+  std::vector<std::size_t> failed;  // whose frame of the last step is not made
   std::vector<std::string> states;  // that are kept; empty: none
 };
 

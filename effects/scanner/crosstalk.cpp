@@ -8,6 +8,7 @@
 #include <simvis/pose.h>
 #include "effects/scanner/onward_ray.h"
 #include "effects/scanner/reflectance.h"
+#include "engine/draw/splat_item.h"
 #include "engine/light/surface_shares.h"
 
 namespace simvis {
@@ -138,6 +139,7 @@ void Crosstalk::meet(const ScanContext& context, const BeamRay& ray, const Surfa
   }
   if (ray.turns > 0) return;
   nearest_m_[ray.beam] = std::min(nearest_m_[ray.beam], surface.range_m);
+  if (is_splat_item(*context.scene, surface.item)) return;  // see Limits
   const double cosine = -glm::dot(surface.normal, ray.direction), reflects = reflectance(surface);
   const glm::dvec3 point_m = ray.origin_m + surface.range_m * ray.direction;
   const double seen = ray.share * reflects * surface_shares(*surface.material, reflects, cosine).matte * cosine;

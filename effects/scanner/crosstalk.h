@@ -18,7 +18,8 @@
 // Beams    have the diameter `beam_diameter` where they leave and grow by `divergence`. The air dims light by
 //          exp(-extinction L).
 // Limits   a housing that is drawn around the other scanner hides it from direct light and hides what it lights up. No
-//          light comes by mirrors. All scanners stand as at the frame's time.
+//          light comes by mirrors or by Gaussian splats: a cloud has no surface that says which of its splats hide the
+//          other scanner. All scanners stand as at the frame's time.
 // Reference  G. B. Popko, T. K. Gaylord, C. R. Valenta, Geometric approximation model of inter-lidar interference, Opt.
 //            Eng. 59 (3), 033104, 2020: beams that cross at a target, and direct light.
 #pragma once

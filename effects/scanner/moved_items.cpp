@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/draw/solid_cloud.h"
+#include "engine/draw/splat_item.h"
 #include "scenegraph/motion_path.h"
 
 namespace simvis {
@@ -114,9 +115,7 @@ void MovedItems::cast(const ScanContext& context, const DrawList& list, std::spa
   rays_cast_ = 0;
   has_moved_.assign(list.items.size(), false);
   // Clouds of splats stand still.
-  for (const ItemMove& move : context.moves) {
-    has_moved_[move.item] = list.meshes[list.items[move.item].mesh]->splats == nullptr;
-  }
+  for (const ItemMove& move : context.moves) has_moved_[move.item] = !is_splat_item(list, move.item);
   seen_.clear();
   seen_of_ray_.assign(rays.size(), kNotSeen);
   std::erase_if(meshes_, [&](const auto& entry) {

@@ -9,6 +9,7 @@
 #include "effects/scanner/reflectance.h"
 #include "engine/base/assert.h"
 #include "engine/draw/sky_sphere.h"
+#include "engine/draw/splat_item.h"
 #include "engine/light/surface_shares.h"
 
 namespace simvis {
@@ -86,6 +87,11 @@ void Sunlight::meet(const ScanContext& context, const BeamRay& ray, const Surfac
     onward.push_back(ray);
     onward.back().t_min_m = surface.range_m + 2 * surface.error_bound_m;
     ++onward.back().turns;
+    return;
+  }
+  if (is_splat_item(*context.scene, surface.item)) {  // its colour is the light that it sends
+    sky_[ray.beam] -= ray.share;
+    radiance_[ray.beam] += ray.share * mean(glm::vec3(surface.base_color));
     return;
   }
   sky_[ray.beam] -= ray.share * (1 - shares.reflected * shares.reflected - shares.passed * shares.passed);

@@ -5,7 +5,8 @@
 // Light    The receiver sees the part of the scene that its beam lights up. Of each ray of the beam, with its share of
 //          the light, that is the radiance L of what the ray meets, in the unit of pictures: of a surface with the
 //          reflectance p, p (ambient + sum of E cos t / pi) over the directional lights of the scene that no part
-//          hides, with the irradiance E at a right angle and the angle t from the normal; of the sky, its background.
+//          hides, with the irradiance E at a right angle and the angle t from the normal; of a Gaussian splat, which
+//          has its own light, its colour; of the sky, its background.
 // Noise    Photons of this light arrive by chance. Their shot noise has a variance in proportion to their number, and
 //          is independent of the receiver's own noise: the deviation of both is q = sqrt(1 + sunlight L) times that of
 //          the receiver alone. So `sunlight` is the variance that the radiance 1, of a white surface with the

@@ -140,35 +140,54 @@ fs::path home_of_user() {
   return found == nullptr || found->pw_dir == nullptr ? "" : found->pw_dir;
 }
 
-// Where the folders lie that is_shared_folder() knows by name.
+// The folders that is_shared_folder() compares with.
 struct SharedPlaces {
-  std::vector<std::string> variables;  // of the environment, of which the folders depend
   Folders temporary, homes;
+  bool can_be_kept = true;
 };
 
-SharedPlaces places_by(std::vector<std::string> variables) {
-  SharedPlaces places{.variables = std::move(variables), .temporary = {}, .homes = {}};
-  // Those of the system count too, because the variables may be missing or name something else.
+SharedPlaces find_shared_places(const fs::path& home_by_variable) {
+  SharedPlaces places;
   std::error_code error;
-  for (const fs::path& folder : {fs::temp_directory_path(error), fs::path("/tmp"), fs::path("/var/tmp")}) {
+  const fs::path by_variables = fs::temp_directory_path(error);
+  places.can_be_kept = !error;  // a folder that is not there may be made later
+  // Those of the system count too, because the variables may be missing or name something else.
+  for (const fs::path& folder : {by_variables, fs::path("/tmp"), fs::path("/var/tmp")}) {
     if (!folder.empty()) places.temporary.push_back(without_links(folder));
   }
-  for (const fs::path& home : {fs::path(places.variables.front()), home_of_user()}) {
+  for (const fs::path& home : {home_by_variable, home_of_user()}) {
     if (home.is_absolute()) places.homes.push_back(without_links(home));
   }
   return places;
 }
 
-// Found once for each thread and environment: every part and mesh asks for several folders.
-const SharedPlaces& shared_places() {
-  thread_local std::optional<SharedPlaces> places;
+// What the shared folders depend on: the working directory, where relative paths start, and variables of the
+// environment.
+struct PlaceInputs {
+  std::string working_directory;
   std::vector<std::string> variables;
+  bool operator==(const PlaceInputs&) const = default;
+};
+
+PlaceInputs place_inputs() {
+  std::error_code error;
+  PlaceInputs inputs{.working_directory = fs::current_path(error).string(), .variables = {}};
   for (const char* const name : {"HOME", "TMPDIR", "TMP", "TEMP", "TEMPDIR"}) {
     const char* const value = std::getenv(name);
-    variables.emplace_back(value == nullptr ? "" : value);
+    inputs.variables.emplace_back(value == nullptr ? "" : value);
   }
-  if (!places || places->variables != variables) places = places_by(std::move(variables));
-  return *places;
+  return inputs;
+}
+
+// Kept in each thread until the inputs change, because each part and each mesh compares several folders.
+const SharedPlaces& shared_places() {
+  thread_local PlaceInputs found_by;
+  thread_local SharedPlaces places{.temporary = {}, .homes = {}, .can_be_kept = false};
+  PlaceInputs inputs = place_inputs();
+  if (places.can_be_kept && found_by == inputs) return places;
+  places = find_shared_places(inputs.variables.front());
+  found_by = std::move(inputs);
+  return places;
 }
 
 }  // namespace

@@ -21,6 +21,33 @@ glm::dvec3 direction_of_sphere(double u, double v) {
   return {across * std::cos(angle), across * std::sin(angle), z};
 }
 
+// A point of a sphere around the origin, and the even density over the density of such points.
+struct SpherePoint {
+  glm::dvec3 at{0};
+  double weight = 1;
+};
+
+// For numbers u and v in [0, 1). The density is in proportion to the inverse square d^-2 of the distance from `to`,
+// because the light of evenly distributed points has no bound near the sphere. With the distance D of `to` from the
+// middle and the radius R, ln d^2 is evenly distributed from ln (D - R)^2 to ln (D + R)^2.
+SpherePoint point_of_sphere(double radius, const glm::dvec3& to, double u, double v) {
+  // Ratio of D and R below which the squares differ by less than 0.5 %: even points are as good.
+  constexpr double kEqual = 1e-3;
+  // (D - R)^2 / (D + R)^2 above which rounding changes no distance by more than about 2^-53 / 2e-8 < 1e-8 of it.
+  constexpr double kTouching = 1e-16;
+  const double distance = glm::length(to);
+  const double nearest = (distance - radius) * (distance - radius),
+               farthest = (distance + radius) * (distance + radius);
+  const bool uneven = distance > kEqual * radius && radius > kEqual * distance && nearest > kTouching * farthest;
+  if (!uneven) return {radius * direction_of_sphere(u, v)};
+  const double ratio = std::log(farthest / nearest), square = farthest * std::exp(-u * ratio);
+  const double twice = 2 * distance * radius;
+  const double versine = std::clamp((square - nearest) / twice, 0.0, 2.0);  // 1 - cosine, exact at the nearest point
+  const double across = std::sqrt(versine * (2 - versine)), angle = 2 * std::numbers::pi * v;
+  const glm::dvec3 direction(across * std::cos(angle), across * std::sin(angle), 1 - versine);
+  return {radius * (frame_of_axis(to / distance) * direction), square * ratio / (2 * twice)};
+}
+
 // The frame of a picture may be turned, and mirrored by no part.
 glm::dmat3 turn_of(const glm::dmat4& frame) {
   const glm::dmat3 linear(frame);
@@ -75,6 +102,7 @@ void LightSources::add_light(const LightItem& item) {
   if (luminance(whole) == 0 || (has_size && light.lamp_point > 0)) return;
   Lamp lamp{.light = light,
             .view_from_light = view_from(item.transform),
+            .light_from_view = glm::dmat4(1),
             .radius_m = 0,
             .middle_m = glm::dvec3(0),
             .power = luminance(whole)};
@@ -84,6 +112,7 @@ void LightSources::add_light(const LightItem& item) {
   }
   if (light.lamp_shape == LampShape::ball) lamp.radius_m = light.lamp_radius * glm::length(lamp.view_from_light[0]);
   const glm::dvec3 middle = light.lamp_shape == LampShape::ball ? light.lamp_middle : glm::dvec3(0);
+  lamp.light_from_view = glm::inverse(lamp.view_from_light);
   lamp.middle_m = glm::dvec3(lamp.view_from_light * glm::dvec4(middle, 1));
   lamps_.push_back(lamp);
 }
@@ -136,18 +165,21 @@ LightSample LightSources::sample_lamps(const glm::dvec3& point_m, const glm::dve
   const Lamp& lamp = lamps_[chosen];
   Light light = lamp.light;
   glm::dmat4 view_from_light = lamp.view_from_light;
+  double weight = 1;
   if (light.lamp_shape == LampShape::disc) {
     const double radius = std::tan(light.lamp_radius) * std::sqrt(random.x), angle = 2 * std::numbers::pi * random.y;
     light.direction = glm::normalize(frame_of_axis(light.lamp_middle) *
                                      glm::dvec3(radius * std::cos(angle), radius * std::sin(angle), 1));
   } else if (light.lamp_shape == LampShape::ball) {
-    const glm::dvec3 point = light.lamp_middle + light.lamp_radius * direction_of_sphere(random.x, random.y);
-    view_from_light[3] = view_from_light * glm::dvec4(point, 1);
+    const glm::dvec3 lit = glm::dvec3(lamp.light_from_view * glm::dvec4(point_m, 1)) - light.lamp_middle;
+    const SpherePoint point = point_of_sphere(light.lamp_radius, lit, random.x, random.y);
+    view_from_light[3] = view_from_light * glm::dvec4(light.lamp_middle + point.at, 1);
+    weight = point.weight;
   }
   const DirectLight direct = direct_light(light, view_from_light, point_m);
   return {.toward = direct.toward,
           .distance_m = direct.distance_m,
-          .light = direct.irradiance * (sum / expected(lamp, point_m))};
+          .light = direct.irradiance * (weight * sum / expected(lamp, point_m))};
 }
 
 LightSample LightSources::sample_emitters(const glm::dvec3& point_m, const glm::dvec3& random) const {
@@ -163,7 +195,9 @@ LightSample LightSources::sample_emitters(const glm::dvec3& point_m, const glm::
   if (cosine == 0 || (cosine < 0 && !emitter.both_sides)) return {};
   const double density = emitter_density(emitter.item, distance_m, std::abs(cosine));
   const Mesh& mesh = *list_->meshes[list_->items[emitter.item].mesh];
-  const glm::dvec3 radiance = emitted_radiance(material_of(emitter.item), mesh, emitter.primitive, weights);
+  const Material& material = material_of(emitter.item);
+  const glm::dvec3 radiance = emitted_radiance(material, mesh, emitter.primitive, weights) *
+                              covered_share(material, mesh, emitter.primitive, weights);
   return {.toward = toward,
           .distance_m = distance_m,
           .light = radiance / density,

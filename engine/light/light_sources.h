@@ -2,7 +2,7 @@
 //
 // Lamps    lights of the draw list. The lights that are the points of one lamp with a size are one lamp here, and each
 //          sample is a random point of it: see elements/lamp.h for what a point sends out. No ray hits a lamp, so that
-//          only samples find its light.
+//          only samples find its light. Points of a ball are likely by the inverse square of their distance.
 // Surfaces triangles with an emission are sampled by area, and by the light that they emit. Shapes that rays meet in
 //          place of triangles, and unlit surfaces, are only found by rays that hit them.
 // Sky      the picture of the sky is sampled by its light, with the sum of the lights that stand for it: theirs is the
@@ -64,7 +64,7 @@ class LightSources {
  private:
   struct Lamp {
     Light light;  // with the whole intensity
-    glm::dmat4 view_from_light;
+    glm::dmat4 view_from_light, light_from_view;
     double radius_m;      // of a ball, else 0
     glm::dvec3 middle_m;  // V
     double power;         // luminance of the intensity

@@ -49,7 +49,7 @@ TrianglePoint triangle_point(const Mesh& mesh, const glm::dmat4& world_from_mesh
   return point;
 }
 
-double covered_share(const Material& material, double alpha) {
+double covered_by_alpha(const Material& material, double alpha) {
   if (material.alpha_mode == AlphaMode::blend) return std::clamp(alpha, 0.0, 1.0) * material.opacity;
   const bool kept = material.alpha_mode == AlphaMode::opaque || alpha >= static_cast<double>(material.alpha_cutoff);
   return kept ? static_cast<double>(material.opacity) : 0;
@@ -108,6 +108,10 @@ glm::dvec3 emitted_radiance(const Material& material, const Mesh& mesh, std::uin
   return factor * glm::dvec3(map_value(map, MapKind::emissive, mesh, primitive, weights));
 }
 
+double covered_share(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
+  return covered_by_alpha(material, surface_color(material, mesh, primitive, weights).a);
+}
+
 namespace {
 
 // A shape that rays meet in place of triangles: its maps are those of the base colour alone.
@@ -120,7 +124,7 @@ LitSurface lit_shape(SeenShape& shape, const Mesh& mesh, const Material& materia
   const glm::dvec4 color =
       is_solid_cloud(mesh) ? point_color(material, mesh, hit.primitive)
                            : surface_color(material, shape_uv(shape, direction, hit.range_m, face, material.uv_set));
-  surface.covered = covered_share(material, color.a);
+  surface.covered = covered_by_alpha(material, color.a);
   surface.reflection = {.normal = surface.face, .base = glm::dvec3(color)};
   take_roughness(material, nullptr, surface.reflection);
   if (front || material.double_sided) surface.emission = glm::dvec3(material.emissive);
@@ -134,7 +138,7 @@ LitSurface lit_triangle(const TrianglePoint& point, const Material& material, co
   LitSurface surface{.face = outward * side};
   const glm::dvec4 color = surface_color(material, point.mesh, point.primitive, point.weights);
   const glm::dvec3 smooth = shading_normal(material, point, outward) * side;
-  surface.covered = covered_share(material, color.a);
+  surface.covered = covered_by_alpha(material, color.a);
   surface.reflection = {.normal = glm::dot(smooth, direction) < 0 ? smooth : surface.face, .base = glm::dvec3(color)};
   take_roughness(material, &point, surface.reflection);
   if (front || material.double_sided) {

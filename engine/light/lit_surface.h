@@ -34,4 +34,7 @@ LitSurface lit_surface(const DrawList& list, const Material& material, const glm
 glm::dvec3 emitted_radiance(const Material& material, const Mesh& mesh, std::uint32_t primitive,
                             const glm::dvec3& weights);
 
+/// LitSurface::covered of a triangle of a mesh at a point.
+double covered_share(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights);
+
 }  // namespace simvis

@@ -11,7 +11,8 @@ namespace {
 constexpr double kUnit = 0x1p-53;
 // Rays per piece of a loop of the pool.
 constexpr std::size_t kPiece = 256;
-// Of a surface that emits, a hit at this share of the distance is the surface.
+// A hit at this share of the distance of a light is the surface that emits, or one in which the lamp lies: rounding
+// moves points of one plane by some 2^-53 of the coordinates.
 constexpr double kThere = 1 - 1e-9;
 
 // Where a ray begins that leaves the point at which another one has hit a surface: effects/scanner/onward_ray.h.
@@ -98,7 +99,6 @@ void PathTracer::cast_paths() {
     scene_.caster->cast_from(scene_.world_from_view, std::span<const glm::dvec3>(origins_m_).subspan(of_camera),
                              directions.subspan(of_camera), hits.subspan(of_camera), behind_m.subspan(of_camera));
   }
-  rays_ += count;
 }
 
 glm::dvec3 PathTracer::escaped(const Path& path) const {
@@ -203,7 +203,7 @@ bool PathTracer::reflect(Path& path, const RayHit& hit, const LitSurface& surfac
 bool PathTracer::passes(LightRay& ray, const RayHit& hit) const {
   const LightSample& to = ray.sample;
   if (std::isinf(hit.range_m) || (hit.item == to.item && hit.primitive == to.primitive)) return false;
-  if (hit.range_m >= (to.item == kNoItem ? 1.0 : kThere) * to.distance_m) return false;
+  if (hit.range_m >= kThere * to.distance_m) return false;
   const Material& material = material_of(hit.item);
   glm::dvec3 passed(0);
   if (!blocks_all(material)) {
@@ -229,7 +229,6 @@ void PathTracer::cast_lights(std::span<glm::dvec3> radiance) {
       behind_m_[i] = light_rays_[i].behind_m;
     }
     scene_.caster->cast_from(scene_.world_from_view, origins_m_, directions_, hits_, behind_m_);
-    rays_ += count;
     goes_on_.assign(count, 0);
     scene_.caster->parallel_for(count, kPiece, [&](std::size_t, std::size_t first, std::size_t in_piece) {
       for (std::size_t i = first; i < first + in_piece; ++i) goes_on_[i] = passes(light_rays_[i], hits_[i]) ? 1 : 0;

@@ -15,6 +15,7 @@
 // Numbers  A path's random numbers depend on the sample, the frame, the pixel and the number of draws before.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -57,8 +58,6 @@ class PathTracer {
   void trace(std::span<const PathStart> starts, const SensorRandom& random, std::uint64_t frame,
              std::span<glm::dvec3> radiance);
 
-  std::uint64_t rays() const { return rays_; }  ///< that were cast since it was made
-
  private:
   struct Path {
     std::uint32_t start = 0, pixel = 0;  // index of the start
@@ -79,13 +78,15 @@ class PathTracer {
   };
   static constexpr std::size_t kKinds = 3;  // of light sources
   using LightRays = std::array<LightRay, kKinds>;
+  // Uniform numbers in [0, 1): the last chooses among sources, whose shares may be below 2^-32, the step of one number.
   struct Numbers {
     const SensorRandom& random;
     std::uint64_t frame;
     double one(Path& path) const { return random.uniform(frame, path.pixel, path.draws++); }
+    static double choice(double first, double second) { return std::min(first + 0x1p-32 * second, 1 - 0x1p-53); }
     glm::dvec3 three(Path& path) const {
       const std::array<double, 4> numbers = random.uniforms(frame, path.pixel, path.draws++);
-      return {numbers[0], numbers[1], numbers[2]};
+      return {numbers[0], numbers[1], choice(numbers[2], numbers[3])};
     }
   };
 
@@ -115,7 +116,6 @@ class PathTracer {
   std::vector<std::uint8_t> goes_on_;  // by path or by light ray
   std::vector<glm::dvec3> origins_m_, directions_;
   std::vector<double> behind_m_;
-  std::uint64_t rays_ = 0;
 };
 
 }  // namespace simvis

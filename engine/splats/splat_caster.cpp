@@ -108,28 +108,28 @@ bool SplatCaster::comes_before(const Met& a, const Met& b) {
   return row_of(a) < row_of(b);
 }
 
-// Rounding of a ray's origin in the frame of the mesh: some 16 roundings of the places in the world and of the inverse
-// of a matrix, which its condition makes larger.
+// Rounding of a ray in the frame of the mesh: of its origin, some 16 roundings of the places in the world and of the
+// inverse of a matrix, which its condition makes larger; of its direction, as many of the inverse and the product.
 void SplatCaster::stop(const glm::dvec3& origin_m, const glm::dvec3& way, double t_min_m, RayHit& hit,
                        std::vector<Met>& met, std::vector<SplatOnRay>& found) const {
   constexpr double kRounding = 16 * 0x1p-53;
   met.clear();
   for (const PlacedCloud& cloud : clouds_) {
+    const double direction_error = kRounding * cloud.condition * cloud.linear_norm;
     found.clear();
-    cloud.tree->find(
-        {.origin = glm::dvec3(cloud.mesh_from_world * glm::dvec4(origin_m, 1)),
-         .direction = glm::dmat3(cloud.mesh_from_world) * way,
-         .origin_error = kRounding * cloud.condition * cloud.linear_norm * (glm::length(origin_m) + cloud.offset_m),
-         .near_m = t_min_m,
-         .end_m = hit.range_m},
-        found);
+    cloud.tree->find({.origin = glm::dvec3(cloud.mesh_from_world * glm::dvec4(origin_m, 1)),
+                      .direction = glm::dmat3(cloud.mesh_from_world) * way,
+                      .origin_error = direction_error * (glm::length(origin_m) + cloud.offset_m),
+                      .direction_error = direction_error,
+                      .end_m = hit.range_m},
+                     found);
     for (const SplatOnRay& each : found) met.push_back({each, &cloud});
   }
   std::ranges::sort(met, comes_before);
   double transmittance = 1;
   for (const Met& each : met) {
     transmittance *= 1 - each.on_ray.alpha;
-    if (transmittance > kHalf) continue;
+    if (transmittance > kHalf || each.on_ray.range_m <= t_min_m) continue;
     hit = {each.on_ray.range_m, each.on_ray.error_bound_m, each.cloud->item, each.on_ray.splat};
     return;
   }

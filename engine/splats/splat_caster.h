@@ -1,8 +1,10 @@
 // Rays that hit surfaces and Gaussian splats.
 //
 // Rule     Where the splats in front of the first surface leave at most half of the light of a ray, the ray hits the
-//          splat at that half, as depths of cameras do (engine/splats/splat_rays.h). Splats at or before t_min do not
-//          count, and neither do those of ignored items.
+//          splat at that half, as depths of cameras do (engine/splats/splat_rays.h). Splats of ignored items do not
+//          count.
+// t_min    A ray with t_min is one that continues behind a pane: it does not hit splats at or before t_min, but they
+//          have stopped their share of its light.
 // Hit      RayHit::item is that of the splats, RayHit::primitive the number of the splat in its cloud. surface_point()
 //          gives its colour, and a normal that faces the ray: a splat has no surface.
 // Bound    RayHit::error_bound_m covers the rounding of the range. It does not cover rounding that decides which splat

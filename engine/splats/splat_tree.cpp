@@ -31,9 +31,9 @@ Box box_of(const Splat& splat) {
   return box;
 }
 
-// Whether the ray is in the box somewhere between near and end.
+// Whether the ray is in the box somewhere between its origin and its end.
 bool meets(const BvhNode& node, const MeshRay& ray, const glm::dvec3& inverse) {
-  double first = ray.near_m, last = ray.end_m;
+  double first = 0, last = ray.end_m;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = node.low[axis], high = node.high[axis];
     if (ray.direction[axis] == 0) {
@@ -79,22 +79,26 @@ void SplatTree::find(const MeshRay& ray, std::vector<SplatOnRay>& found) const {
 }
 
 // Rounding: of the difference of origin and centre, its turn and its division by the standard deviations s, some 32 u
-// of its length, u = 2^-53. This and the error of the origin move the peak by at most their sum divided by min(s) and
-// by the length of the direction in standard deviations.
+// of its length, u = 2^-53; of the direction the same. Let c be that difference and d the direction, both in standard
+// deviations. An error e of the origin moves the peak -c.d / d.d by at most e / (min(s) |d|). An error f of the
+// direction moves it by at most f |c| / (min(s) |d|^2): the derivative of the peak is -(f.(c + 2 t d)) / d.d at the
+// peak t, and c + 2 t d is c mirrored about the plane across d.
 void SplatTree::test(const MeshRay& ray, std::uint32_t number, std::vector<SplatOnRay>& found) const {
   const Splat& splat = cloud_->splats[number];
   const glm::dvec3 sigma = splat_sigma(splat), from_center = ray.origin - glm::dvec3(splat.center);
   const glm::dmat3 splat_from_mesh = glm::transpose(splat_rotation(splat));
   const glm::dvec3 c = splat_from_mesh * from_center / sigma, d = splat_from_mesh * ray.direction / sigma;
   const double square = glm::dot(d, d), range_m = -glm::dot(c, d) / square;
-  if (!(range_m > ray.near_m && range_m < ray.end_m)) return;
+  if (!(range_m > 0 && range_m < ray.end_m)) return;
   const glm::dvec3 across = glm::cross(c, d);
   const double square_distance = glm::dot(across, across) / square;
   if (!(square_distance <= splat_square_reach(splat))) return;
   const double alpha = splat_alpha(splat.opacity, square_distance);
   if (alpha == 0) return;
   constexpr double kRounding = 32 * 0x1p-53;
-  const double error = ray.origin_error + kRounding * glm::length(from_center),
+  const double of_origin = ray.origin_error + kRounding * glm::length(from_center),
+               of_direction = ray.direction_error + kRounding * glm::length(ray.direction),
+               error = of_origin + of_direction * glm::length(c) / std::sqrt(square),
                thinnest = std::min({sigma.x, sigma.y, sigma.z});
   found.push_back({range_m, alpha, error / (thinnest * std::sqrt(square)) + kRounding * range_m, number});
 }

@@ -14,8 +14,9 @@ namespace simvis {
 /// A ray in the frame of a mesh: the point at the range t is origin + t * direction, whatever the length of direction.
 struct MeshRay {
   glm::dvec3 origin{0}, direction{0};
-  double origin_error = 0;       ///< of its origin, by rounding
-  double near_m = 0, end_m = 0;  ///< ranges between which splats count, both excluded
+  double origin_error = 0;     ///< of its origin, by rounding
+  double direction_error = 0;  ///< of its direction, by rounding
+  double end_m = 0;            ///< splats count at ranges above 0 and below this one
 };
 
 /// A splat on a ray: see SplatPeak.

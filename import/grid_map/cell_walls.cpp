@@ -116,6 +116,7 @@ class CellWalls {
   // The cells of a row that have a side towards `way` along the axis.
   Row sides_of(int axis, int way, int y, int z) const {
     Row row = cells_of(y, z);
+    if (next_cell(row, 0, true) >= size_.x) return row;  // no cell is occupied
     const Row other = axis == 0 ? beside(row, way) : axis == 1 ? cells_of(y + way, z) : cells_of(y, z + way);
     const bool keeps_enclosed = axis == 0 && way < 0;
     Row enclosed(words_);

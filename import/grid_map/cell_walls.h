@@ -12,13 +12,16 @@
 
 namespace simvis {
 
-/// The largest number of cells of a grid: a square of 16384 cells on a side, 32 MB.
+/// The largest number of cells of a grid: a square of 16384 cells on a side.
 inline constexpr std::size_t kMaxGridCells = std::size_t{1} << 28;
+
+/// The largest number of cells after rows along x are filled up to whole words of 64 cells. They take 128 MB.
+inline constexpr std::size_t kMaxFilledCells = 4 * kMaxGridCells;
 
 /// Cells of a regular grid; z is up. A map has one layer.
 class CellGrid {
  public:
-  /// No cell is occupied. `size` has at most kMaxGridCells cells.
+  /// No cell is occupied. `size` is within the limits of kMaxGridCells and kMaxFilledCells.
   explicit CellGrid(const glm::uvec3& size)
       : size_(size),
         row_words_((size.x + kWordBits - 1) / kWordBits),

@@ -1,5 +1,6 @@
 #include "import/grid_map/grid_part.h"
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,10 +14,18 @@
 namespace simvis {
 
 void check_grid_size(const std::filesystem::path& file, const char* what, const glm::dvec3& cells) {
-  if (cells.x * cells.y * cells.z <= static_cast<double>(kMaxGridCells)) return;
-  fail_at({.file = file.string()}, std::string(what) + " " + format_number(cells.x) + " x " + format_number(cells.y) +
-                                       " x " + format_number(cells.z) + " cells, expected at most " +
-                                       std::to_string(kMaxGridCells) + " in all");
+  const auto refuse = [&](const std::string& expected) {
+    fail_at({.file = file.string()}, std::string(what) + " " + format_number(cells.x) + " x " + format_number(cells.y) +
+                                         " x " + format_number(cells.z) + " cells, expected at most " + expected);
+  };
+  if (cells.x * cells.y * cells.z > static_cast<double>(kMaxGridCells)) {
+    refuse(std::to_string(kMaxGridCells) + " in all");
+  }
+  constexpr double kWord = CellGrid::kWordBits;
+  if (kWord * std::ceil(cells.x / kWord) * cells.y * cells.z > static_cast<double>(kMaxFilledCells)) {
+    refuse(std::to_string(kMaxFilledCells) + " after rows along x are filled up to a multiple of " +
+           format_number(kWord));
+  }
 }
 
 PartContent grid_part(const std::filesystem::path& file, const PlacedGrid& grid, ContentPool& pool) {

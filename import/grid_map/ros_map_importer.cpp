@@ -98,11 +98,22 @@ class MapFile {
     return true;
   }
 
-  // What stands in quotation marks; a backslash in double ones stands for the character behind it.
+  // What stands in quotation marks. Two single ones stand for one; in double ones a backslash stands for the character
+  // behind it, and "\n" for a line break.
   static std::string unquoted(std::string_view value) {
+    const bool is_double = value.front() == '"';
     std::string text;
-    for (std::size_t i = 1; i < value.size() && value[i] != value.front(); ++i) {
-      if (value.front() == '"' && value[i] == '\\' && i + 1 < value.size()) ++i;
+    for (std::size_t i = 1; i < value.size(); ++i) {
+      const char next = i + 1 < value.size() ? value[i + 1] : '\0';
+      if (is_double && value[i] == '\\' && next != '\0') {
+        text += next == 'n' ? '\n' : next;
+        ++i;
+        continue;
+      }
+      if (value[i] == value.front()) {
+        if (is_double || next != value.front()) break;
+        ++i;
+      }
       text += value[i];
     }
     return text;

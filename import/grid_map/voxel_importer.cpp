@@ -5,6 +5,7 @@
 //   origin_m      x, y, z of the lowest corner of the first cell; without this array 0
 //
 // Arrays are in the format of numpy.lib.format, versions 1 and 2.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/matrix_transform.hpp>
@@ -28,7 +29,7 @@
 namespace simvis {
 namespace {
 
-// An array of an archive, whose header is that of a file of a stranger.
+// An array of an archive. Its header is foreign: each number in it is checked.
 class NumpyArray {
  public:
   NumpyArray(const std::filesystem::path& file, std::string name, Bytes bytes)
@@ -155,6 +156,9 @@ class VoxelFile {
     const NumpyArray array = read_array("cells");
     if (array.shape().size() != 3)
       array.fail("has " + std::to_string(array.shape().size()) + " axes, expected x, y, z");
+    if (std::ranges::find(array.shape(), 0u) != array.shape().end()) {
+      array.fail("has an axis without cells, expected at least one cell along x, y and z");
+    }
     check_grid_size(file_, "has", {array.shape()[0], array.shape()[1], array.shape()[2]});
     const glm::uvec3 size(array.shape()[0], array.shape()[1], array.shape()[2]);
     CellGrid grid(size);

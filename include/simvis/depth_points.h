@@ -12,6 +12,9 @@
 
 namespace simvis {
 
+/// Whether a camera sees straight through its pinhole: its calibration has no distortion.
+SIMVIS_API bool is_pinhole(const CameraCalibration& camera);
+
 /// The point at the centre of each pixel of a depth image, through the lens of its camera.
 ///
 /// Frame    optical: x right, y down, z forward.

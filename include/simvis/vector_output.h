@@ -13,7 +13,8 @@ namespace simvis {
 ///
 /// Shape    by environment, and then as MeasuredArray: number j of environment i is numbers[i * n + j], where
 ///          n = rows * columns * channels of `output.shape`, which is that of one environment.
-/// Special  NaN, or 0 where the numbers are whole, of an environment whose sensor has not measured yet.
+/// Special  NaN, or 0 where the numbers are whole, of an environment whose sensor has not measured yet, or whose scene
+///          was changed and does not give the output in this shape.
 /// Memory   a copy keeps its numbers, as that of a Measurement.
 struct VectorOutput {
   std::string sensor;          ///< the sensor's name

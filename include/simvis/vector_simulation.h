@@ -28,18 +28,19 @@ struct VectorSimulationImpl;
 ///           trees for rays, pipelines and the device. Each has its own scene graph, parameters, bodies and sensors.
 /// Work      SimulationDesc::threads threads take one environment after the other, and each works alone on its
 ///           environment. With fewer environments than threads, they share the work within one too.
-/// Errors    as Simulation. An error of an environment ends with "(environment 7)". If environments fail in a step, all
-///           others make their frame first, and failed() lists those that did not: their frame counts as not made, they
-///           keep what they have measured last, and they can be stepped again alone, restored or reloaded. Other
-///           functions change nothing if they throw, except where they say otherwise.
+/// Errors    as Simulation. An error of an environment ends with "(environment 7)"; those of environment 0 in load()
+///           are errors of the scene, and do not. If environments fail in a step, all others make their frame first,
+///           and failed() lists those that did not: their frame counts as not made, they keep what they have measured
+///           last, and they can be stepped again alone, restored or reloaded. After an OutletError of an environment
+///           its frame counts as made. Other functions change nothing if they throw, except where they say otherwise.
 /// Lifetime  returned references are valid as long as the vector, also after it is moved. A vector that was moved from
 ///           may only be assigned to or destroyed; other calls throw InputError.
 /// Threads   one thread at a time, which may be any thread.
 class SIMVIS_API VectorSimulation {
  public:
   /// Loads a scene file `environments` times, on all threads. `desc.progress` gets the number of environments that are
-  /// there, and is called by this thread alone. Throws InputError as Simulation::load(), and for 0 or more than 65536
-  /// environments.
+  /// there, the last time all of them, and is called by this thread alone. Throws InputError as Simulation::load(), and
+  /// for 0 or more than 65536 environments.
   static VectorSimulation load(const std::filesystem::path& scene, std::size_t environments,
                                const SimulationDesc& desc = {});
   /// As load(), from text, with the further parameters of Simulation::from_string().
@@ -67,7 +68,8 @@ class SIMVIS_API VectorSimulation {
   /// An output of a sensor: any array of a Measurement whose shape never varies, or "rgb", the 8-bit sRGB codes of the
   /// sensor's first colour image; colours have three channels here. The first call collects what the environments have
   /// measured last, and from then on each step does so. Throws InputError: no such sensor or output, the number of
-  /// its rows varies, or an environment whose scene was changed gives another shape.
+  /// its rows varies, or an environment whose scene was changed gives another shape. A step throws the last one too:
+  /// the row of this environment is then NaN or 0, and its frame is not made.
   const VectorOutput& output(std::string_view sensor, std::string_view output);
 
   /// Makes one frame of each environment, as Simulation::step().
@@ -76,13 +78,15 @@ class SIMVIS_API VectorSimulation {
   void step(std::chrono::nanoseconds dt);
   /// Makes one frame of these environments alone. Throws InputError also if one is not there or comes twice.
   void step(std::span<const std::size_t> environments);
-  /// The environments that failed in the last step, ascending.
+  /// The environments whose frame was to be made in the last step and was not, ascending.
   std::span<const std::size_t> failed() const;
 
   /// Keeps the state of each environment, see Simulation::save_state(), in place of the one that was kept before.
   void save_states();
   /// Takes these environments back to their kept states, as Simulation::restore_state(). Outputs change at the next
-  /// step. Throws InputError if there is no such environment or if one has no kept state: it is new, or was reloaded.
+  /// step. Throws InputError, and restores none, if there is no such environment or if one has no kept state: it is
+  /// new, or was reloaded. Throws as Simulation::restore_state(), such as for an environment whose scene was changed:
+  /// this one stays as it is, and all others are restored.
   void restore_states(std::span<const std::size_t> environments);
 
   /// Loads these environments again, each with its own seed, on all threads. The same sensors are on as before.

@@ -5,12 +5,15 @@
 #include <deque>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <simvis/diagnostics.h>
 #include <simvis/location.h>
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
+#include "engine/base/file_writing.h"
+#include "engine/base/output_target.h"
 #include "engine/base/result_lock.h"
 #include "engine/base/words.h"
 #include "engine/draw/solid_cloud.h"
@@ -70,6 +73,25 @@ MapDesc map_desc(const Options& options, MapFormat format) {
   return desc;
 }
 
+// Throws InputError if a file of the map has the name of a camera's calibration in the folder of results.
+void require_free_names(const Options& options, MapFormat format, const Simulation& simulation) {
+  if (!options.writes) return;
+  const auto resolved = [](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  const std::filesystem::path folder = resolved(options.out);
+  for (const std::filesystem::path& file : files_of_map(options.export_file, format)) {
+    const std::filesystem::path named = resolved(file);
+    for (const SensorInfo& sensor : simulation.sensors()) {
+      for (const char* const view : {"", "_left", "_right"}) {
+        if (named != folder / (sensor.name + view + ".yaml")) continue;
+        throw InputError("--export: " + file.string() + " is reserved for the calibration of sensor " +
+                         in_quotes(sensor.name) + ", expected another name");
+      }
+    }
+  }
+}
+
 class MapOutlet : public RunOutlet {
  public:
   MapOutlet(const std::filesystem::path& file, MapFormat format, MapDesc desc, std::vector<std::string> ignored,
@@ -105,7 +127,17 @@ class MapOutlet : public RunOutlet {
     const std::vector<MapFileBytes> contents = encode_map(map, name_, format_);
     SIMVIS_ASSERT(contents.size() == files_.size());
     for (std::size_t i = 0; i < contents.size(); ++i) files_[i].write(contents[i].bytes);
+    if (files_.size() > 1) remove_earlier_file();
     for (AtomicFile& each : files_) each.commit();
+  }
+
+  // The file that names the others: between two commits it would name those of another map.
+  void remove_earlier_file() const {
+    const OutputTarget target = output_target(name_);
+    if (target.is_stream) return;
+    std::error_code error;
+    std::filesystem::remove(target.file, error);
+    if (error) throw_file_error(name_, "cannot be replaced", error.value());
   }
 
   // The insertion points whose shapes are left out.
@@ -129,7 +161,7 @@ class MapOutlet : public RunOutlet {
     return ignored;
   }
 
-  // What people see and the map lacks.
+  // Shapes that cameras see and the map lacks.
   void warn_of_missing_cells(const SceneCells& map, const DrawList& list, const std::vector<bool>& left_out) {
     const std::vector<SceneItem> items = simulation_.items();
     std::set<std::string> parts;
@@ -164,13 +196,13 @@ std::unique_ptr<RunOutlet> map_outlet(const Options& options, Simulation& simula
   const std::optional<MapFormat> format = map_format_of(options.export_file);
   SIMVIS_ASSERT(format);
   MapDesc desc = map_desc(options, *format);
+  require_free_names(options, *format, simulation);
   return std::make_unique<MapOutlet>(options.export_file, *format, std::move(desc), options.export_ignore, simulation);
 }
 
 void require_map_for_map_options(const Options& options) {
-  const bool is_given = options.export_resolution_m != Options{}.export_resolution_m ||
-                        !options.export_heights.empty() || !options.export_area.empty() ||
-                        !options.export_start.empty() || !options.export_ignore.empty();
+  const bool is_given = options.names_export_resolution || !options.export_heights.empty() ||
+                        !options.export_area.empty() || !options.export_start.empty() || !options.export_ignore.empty();
   if (!is_given || map_format_of(options.export_file)) return;
   throw InputError("--export: " + in_quotes(options.export_file) +
                    " is no map, which the other options of --export describe, expected a name that ends with .yaml, "

@@ -10,9 +10,10 @@
 namespace simvis {
 
 /// The map of the scene after the last frame, see program/maps/map_files.h. Its files appear with finish(), or not at
-/// all; the picture of a ROS map appears before the file that names it. Throws InputError of the options that describe
-/// maps, with the option's name, and as export_outlet(). finish() adds a warning to the simulation if the map lacks
-/// shapes without a surface, or has no occupied cell.
+/// all. The picture of a ROS map appears before the file that names it, and an earlier file of that name is removed
+/// before: it never names the picture of another map. Throws InputError of the options that describe maps, with the
+/// option's name, of a name that is reserved for the calibration of a sensor, and as export_outlet(). finish() adds a
+/// warning to the simulation if the map lacks shapes without a surface, or has no occupied cell.
 std::unique_ptr<RunOutlet> map_outlet(const Options& options, Simulation& simulation);
 
 /// Throws InputError if an option that describes maps is given and `--export` names no map.

@@ -105,22 +105,16 @@ std::string camera_line(const SeenView& view, std::size_t id) {
 /// Surfaces at the centres of pixels on an even grid, each a ColmapPoint.
 std::string pack_points(const SeenView& view) {
   const Image &color = *view.color, &depth = *view.depth;
-  const Pinhole& p = view.camera.pinhole;
-  const std::vector<glm::dvec3> through_lens =
-      is_pinhole(view.camera) ? std::vector<glm::dvec3>{} : optical_points(depth, view.camera);
+  const std::vector<glm::dvec3> seen = optical_points(depth, view.camera);
   const double pixels = static_cast<double>(depth.width) * depth.height;
   const auto step = static_cast<std::uint32_t>(std::ceil(std::sqrt(pixels / kPointsPerView)));
   std::string points;
   for (std::uint32_t row = step / 2; row < depth.height; row += step) {
     for (std::uint32_t column = step / 2; column < depth.width; column += step) {
       const std::size_t pixel = std::size_t{row} * depth.width + column;
-      const double z_m = depth.pixels[pixel], x_px = column + kFirstCentre_px, y_px = row + kFirstCentre_px;
-      if (!std::isfinite(z_m) || z_m <= 0) continue;  // COLMAP sees nothing beside and behind a camera
-      const glm::dvec3 seen = through_lens.empty()
-                                  ? glm::dvec3(z_m * (x_px - p.cx_px) / p.fx_px, z_m * (y_px - p.cy_px) / p.fy_px, z_m)
-                                  : through_lens[pixel];
-      const glm::dvec4 point = view.world_from_optical * glm::dvec4(seen, 1);
-      ColmapPoint packed{point.x, point.y, point.z, x_px, y_px, {}};
+      if (!(seen[pixel].z > 0)) continue;  // COLMAP sees nothing beside and behind a camera
+      const glm::dvec4 point = view.world_from_optical * glm::dvec4(seen[pixel], 1);
+      ColmapPoint packed{point.x, point.y, point.z, column + kFirstCentre_px, row + kFirstCentre_px, {}};
       srgb_codes(std::span<const float>(&color.pixels[4 * pixel], 4), std::span(packed.rgb).first(3));
       append_binary(points, packed);
     }

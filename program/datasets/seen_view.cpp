@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include <simvis/depth_points.h>
 #include <simvis/error.h>
 #include <simvis/pose.h>
 
@@ -120,11 +121,6 @@ void require_outputs(const DatasetSensor& camera, std::string_view format,
   if (complete) return;
   throw InputError("--dataset " + std::string(format) + ": camera \"" + camera.name +
                    "\" lacks outputs, expected at least outputs=\"" + all + "\"");
-}
-
-bool is_pinhole(const CameraCalibration& camera) {
-  return camera.distortion_model == "plumb_bob" &&
-         std::ranges::all_of(camera.distortion_coefficients, [](double each) { return each == 0; });
 }
 
 void require_pinhole(const DatasetSensor& camera, std::string_view format) {

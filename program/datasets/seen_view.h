@@ -64,9 +64,6 @@ inline constexpr NeededOutput kNeedsColor{"color", "", ImageContent::color},
 
 /// Throws InputError if a camera lacks one of the outputs. `format` is the name of the format.
 void require_outputs(const DatasetSensor& camera, std::string_view format, std::initializer_list<NeededOutput> outputs);
-/// Whether the views have no lens.
-bool is_pinhole(const CameraCalibration& camera);
-
 /// Throws InputError if a view of the camera has a lens.
 void require_pinhole(const DatasetSensor& camera, std::string_view format);
 /// Throws InputError if none of the sensors is a camera.

@@ -4,10 +4,10 @@
 
 #include <array>
 
-#include <simvis/attributes.h>
 #include "engine/base/assert.h"
 #include "program/maps/octomap_file.h"
 #include "program/output/npy_file.h"
+#include "program/output/yaml_text.h"
 #include "program/output/zip_file.h"
 
 namespace simvis {
@@ -28,16 +28,9 @@ std::string encode_pgm(const SceneCells& map) {
   return bytes;
 }
 
-// A name in YAML's double quotation marks.
-std::string quoted(const std::string& name) {
-  std::string text = "\"";
-  for (const char c : name) text += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c);
-  return text + '"';
-}
-
 std::string encode_map_yaml(const SceneCells& map, const std::string& picture) {
-  return "image: " + quoted(picture) + "\nmode: trinary\nresolution: " + format_number(map.resolution_m) +
-         "\norigin: [" + format_number(map.origin_m.x) + ", " + format_number(map.origin_m.y) +
+  return "image: " + yaml_quoted(picture) + "\nmode: trinary\nresolution: " + yaml_number(map.resolution_m) +
+         "\norigin: [" + yaml_number(map.origin_m.x) + ", " + yaml_number(map.origin_m.y) +
          ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 }
 

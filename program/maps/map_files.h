@@ -32,9 +32,9 @@ std::vector<std::filesystem::path> files_of_map(const std::filesystem::path& fil
 
 /// The files of a map, in the order of files_of_map():
 ///
-///   ros_map  FILE.pgm, rows from the top: 0 occupied, 254 free, 205 unknown; FILE.yaml in mode trinary with the
-///   thresholds
-///            of map_saver of ROS 1, by which 205 is unknown for every map_server. The map has one layer (asserted).
+///   ros_map  FILE.pgm, rows from the top: 0 occupied, 254 free, 205 unknown; FILE.yaml in mode trinary, with the
+///            thresholds of map_saver of ROS 1, by which 205 is unknown for every map_server. The map has one layer
+///            (asserted).
 ///   voxels   FILE.npz: cells, int8 [x, y, z] with 1 occupied, 0 free, -1 unknown; resolution_m; origin_m
 ///   octomap  FILE.bt, see octomap_file.h
 ///

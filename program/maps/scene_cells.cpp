@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <string>
 
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFarthestCell = 1 << 30;
-constexpr double kSlack = 1e-6;  // of a cell: limits that people write as decimals count as multiples of its side
+constexpr double kSlack = 1e-6;  // of a cell: decimal limits of the command line count as multiples of its side
 
 // A box that grows by others.
 struct Bounds {
@@ -143,11 +144,11 @@ class SceneMapper {
   }
 
   void explore() {
-    std::vector<glm::ivec3> reached{start()};
-    map_.states[map_.index(glm::uvec3(reached[0]))] = CellState::free;
+    std::deque<glm::ivec3> reached{start()};  // breadth first, so that it holds only the front of the search
+    map_.states[map_.index(glm::uvec3(reached.front()))] = CellState::free;
     while (!reached.empty()) {
-      const glm::ivec3 cell = reached.back();
-      reached.pop_back();
+      const glm::ivec3 cell = reached.front();
+      reached.pop_front();
       for (int axis = 0; axis < 3; ++axis) {
         for (const int way : {-1, 1}) {
           glm::ivec3 beside = cell;

@@ -34,7 +34,8 @@ struct MapDesc {
   struct Area {
     glm::dvec2 low{0}, high{0};
   };
-  std::optional<Area> area_m{};  ///< empty: that of the shapes. It becomes larger, up to whole cells
+  std::optional<Area> area_m{};  ///< empty: that of the shapes. It becomes larger, up to whole cells;
+                                 ///< heights stay those of all shapes
   /// Cells that cannot be reached from here, from cell to cell through sides, are unknown; empty: all are free that are
   /// not occupied. A flat map ignores z.
   std::optional<glm::dvec3> start_m{};

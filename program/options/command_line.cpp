@@ -266,6 +266,7 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   parsed.warnings = misleading_names(app);
   options.names_out = app.count("--out") > 0;
   options.names_frames = app.count("--frames") > 0;
+  options.names_export_resolution = app.count("--export-resolution") > 0;
   options.dds = app.count("--dds") > 0;
   double domain = 0;
   if (options.scene.empty() && !parse_number(options.dds_domain, domain)) {
@@ -296,6 +297,7 @@ RecordedOptions recorded_options(Options given) {
   const std::string recorded_device = options.simulation.device.select;
   copy_free_options(given, options);
   if (options.simulation.device.select.empty()) options.simulation.device.select = recorded_device;
+  options.names_export_resolution = given.names_export_resolution;
   options.names_frames |= given.names_frames;
   options.frames = given.names_frames ? given.frames : run.frames_wanted;
   return {std::move(options), set_recorded_environment(run)};

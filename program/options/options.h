@@ -46,6 +46,7 @@ struct Options {
   ListOptions list;
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given
+  bool names_export_resolution = false;          ///< --export-resolution is given
   bool endless = false;                          ///< the run has no last frame: it ends when it is interrupted
   bool writes = true;                            ///< results go to files
   std::vector<std::string> command;              ///< the arguments that these options are from

@@ -2,30 +2,15 @@
 
 #include <vector>
 
-#include <simvis/attributes.h>
+#include "program/output/yaml_text.h"
 
 namespace simvis {
 
 namespace {
 
-/// A single-quoted YAML scalar: only the quote itself has a special meaning in it.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
-  return result + "'";
-}
-
-/// YAML 1.1 requires a decimal point in a float.
-std::string number(double value) {
-  std::string text = format_number(value);
-  const std::size_t exponent = text.find('e');
-  if (exponent != std::string::npos && text.find('.') == std::string::npos) text.insert(exponent, ".0");
-  return text;
-}
-
 std::string matrix(const std::string& name, int rows, int columns, const std::vector<double>& values) {
   std::string data;
-  for (const double value : values) data += (data.empty() ? "" : ", ") + number(value);
+  for (const double value : values) data += (data.empty() ? "" : ", ") + yaml_number(value);
   return name + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(columns) + "\n  data: [" + data +
          "]\n";
 }
@@ -37,7 +22,7 @@ std::string camera_info_yaml(const std::string& name, const CameraCalibration& i
   const double cx = info.pinhole.cx_px - 0.5, cy = info.pinhole.cy_px - 0.5;
   const double tx = info.baseline_m == 0 ? 0.0 : -fx * info.baseline_m;
   return "image_width: " + std::to_string(info.width_px) + "\nimage_height: " + std::to_string(info.height_px) +
-         "\ncamera_name: " + quoted(name) + "\n" + matrix("camera_matrix", 3, 3, {fx, 0, cx, 0, fy, cy, 0, 0, 1}) +
+         "\ncamera_name: " + yaml_quoted(name) + "\n" + matrix("camera_matrix", 3, 3, {fx, 0, cx, 0, fy, cy, 0, 0, 1}) +
          "distortion_model: " + info.distortion_model + "\n" +
          matrix("distortion_coefficients", 1, static_cast<int>(info.distortion_coefficients.size()),
                 info.distortion_coefficients) +

@@ -7,9 +7,11 @@
 
 #include <simvis/effect.h>
 #include "engine/base/assert.h"
+#include "engine/base/words.h"
 #include "program/report/cost_run.h"
 #include "program/report/report_table.h"
 #include "program/report/scene_lights.h"
+#include "sensors/camera/path_image.h"
 
 namespace simvis {
 namespace {
@@ -45,6 +47,40 @@ Command with_light(Command command, const std::vector<LightSetting>& settings) {
   return command;
 }
 
+// The attributes of a camera that can take paths.
+AttributeValues values_of(const Command& command) {
+  const SensorType* const type = find_sensor_type(command.require("type").value);
+  SIMVIS_ASSERT(type != nullptr);
+  return {command, all_attributes(*type), kSensorCommonAttributes};
+}
+
+std::uint64_t whole_number(const AttributeValues& values, std::string_view name) {
+  return static_cast<std::uint64_t>(values.integer(name));
+}
+
+void set_attribute(Command& command, std::string_view name, const std::string& value) {
+  const auto found = std::ranges::find(command.attributes, name, &CommandAttribute::name);
+  if (found != command.attributes.end()) {
+    found->value = value;
+  } else {
+    command.attributes.push_back({std::string(name), value, command.where});
+  }
+}
+
+// The polynomial of an f-theta lens (effects/camera/lenses/ftheta.cpp) for distances of `scale` as many pixels.
+std::string scaled_polynomial(const AttributeValues& camera, double scale) {
+  const bool of_angle = camera.choice("distortion") == "ftheta";  // else of the distance
+  std::string scaled;
+  double power = 1;  // scale^i
+  for (const std::string_view word : words_of(camera.text("polynomial"))) {
+    double coefficient = 0;
+    SIMVIS_ASSERT(parse_number(word, coefficient));
+    scaled += (scaled.empty() ? "" : " ") + format_number(of_angle ? coefficient * scale : coefficient / power);
+    power *= scale;
+  }
+  return scaled;
+}
+
 // The sums over the pixels, and R, G and B, of the products of two differences.
 double mean_product(const Image& picture, const Image& a, const Image& b) {
   double sum = 0;
@@ -67,6 +103,28 @@ double mean_radiance_of(const Image& picture) {
 }
 
 }  // namespace
+
+Command listed_camera(Command command) {
+  const AttributeValues camera = values_of(command);
+  const auto width_px = static_cast<double>(whole_number(camera, "width")),
+             height_px = static_cast<double>(whole_number(camera, "height"));
+  if (width_px * height_px <= kListedPixels) return command;
+  const double listed_px = std::max(1.0, std::round(width_px * std::sqrt(kListedPixels / (width_px * height_px))));
+  const double scale = listed_px / width_px;
+  set_attribute(command, "width", format_number(listed_px));
+  set_attribute(command, "height", format_number(std::max(1.0, std::round(height_px * scale))));
+  for (const char* const focal : {"fx", "fy"}) {
+    if (camera.is_set(focal)) set_attribute(command, focal, format_number(camera.number(focal) * scale));
+  }
+  for (const char* const centre : {"cx", "cy"}) {  // from the centre of the first pixel
+    if (!camera.is_set(centre)) continue;
+    set_attribute(command, centre, format_number((camera.number(centre) + 0.5) * scale - 0.5));
+  }
+  if (camera.choice("distortion").starts_with("ftheta")) {
+    set_attribute(command, "polynomial", scaled_polynomial(camera, scale));
+  }
+  return command;
+}
 
 LightError light_error(const Image& picture, std::span<const Image> references) {
   const std::size_t count = references.size();
@@ -117,6 +175,7 @@ class LightCostRun {
     Image first{};
   };
   struct Sensors {
+    std::uint64_t width_px = 0, height_px = 0, bounces = 0;
     std::string plain, smooth;  // drawn, without and with msaa
     std::vector<std::string> paths, references;
   };
@@ -131,14 +190,17 @@ class LightCostRun {
   }
 
   void add(const std::string& camera) {
-    const Command command = run_.simulation().diagnostics().command(camera);
-    const CommandAttribute* const bounces = command.find("bounces");
-    const auto paths = [&](std::uint32_t samples) {
-      std::vector<LightSetting> settings{{"light", "path"}, {"samples", std::to_string(samples)}};
-      if (bounces != nullptr) settings.emplace_back("bounces", bounces->value);
-      return add(camera, command, std::move(settings), 1);
-    };
+    const Command command = listed_camera(run_.simulation().diagnostics().command(camera));
+    const AttributeValues values = values_of(command);
     Sensors& sensors = sensors_.emplace_back();
+    sensors.width_px = whole_number(values, "width");
+    sensors.height_px = whole_number(values, "height");
+    sensors.bounces = values.is_set("bounces") ? whole_number(values, "bounces") : PathSampling{}.number_of_bounces();
+    const auto paths = [&](std::uint32_t samples) {
+      return add(
+          camera, command,
+          {{"light", "path"}, {"samples", std::to_string(samples)}, {"bounces", std::to_string(sensors.bounces)}}, 1);
+    };
     sensors.plain = add(camera, command, {}, std::size(kDrawnLights) * run_.frames_of_turns());
     sensors.smooth = add(camera, command, {{"msaa", kMsaa}}, run_.frames_of_turns());
     for (const std::uint32_t samples : kCostedSamples) sensors.paths.push_back(paths(samples));
@@ -146,8 +208,12 @@ class LightCostRun {
   }
 
   LightCosts costs(std::size_t i) {
-    LightCosts costs{.camera = cameras_[i], .load = run_.load()};
     const Sensors& sensors = sensors_[i];
+    LightCosts costs{.camera = cameras_[i],
+                     .load = run_.load(),
+                     .width_px = sensors.width_px,
+                     .height_px = sensors.height_px,
+                     .bounces = sensors.bounces};
     try {
       take(sensors.paths.front(), costs.camera);  // makes the trees
     } catch (const InputError& error) {
@@ -228,6 +294,9 @@ using Variant = LightVariantCosts;
 constexpr ReportColumn<LightCostRow> kLightColumns[] = {
     {"camera", [](const LightCostRow& row) -> ReportValue { return row.costs.camera; }},
     {"load", [](const LightCostRow& row) -> ReportValue { return row.costs.load; }},
+    {"width_px", [](const LightCostRow& row) -> ReportValue { return row.costs.width_px; }},
+    {"height_px", [](const LightCostRow& row) -> ReportValue { return row.costs.height_px; }},
+    {"bounces", [](const LightCostRow& row) -> ReportValue { return row.costs.bounces; }},
     {"mean_radiance", [](const LightCostRow& row) -> ReportValue { return row.costs.mean_radiance; }},
     {"light", light_value<&Variant::light>, "", "light"},
     {"frames", light_value<&Variant::frames>, "", "frames"},
@@ -260,7 +329,7 @@ bool can_take_paths(const Command& command) {
     return std::ranges::find(table, name, &AttributeSpec::name) != table.end();
   };
   if (!has("light") || !has("bounces")) return false;
-  const AttributeValues values(command, table, kSensorCommonAttributes);
+  const AttributeValues values = values_of(command);
   return values.flag("outputs", "color") && values.choice("view") != "visualization";
 }
 
@@ -282,8 +351,9 @@ std::vector<LightCosts> light_costs(Simulation simulation, const CostDesc& desc)
 std::string to_table(const LightCosts& costs) {
   if (!costs.refused.empty()) return costs.camera + ": light: no paths, " + costs.refused + "\n";
   const std::string number = report_number({NumberFormat::Style::fixed, 2}, costs.load);
-  return costs.camera + ": light, load " + number + " at the start, mean radiance " +
-         report_number(kLightDigits, costs.mean_radiance) + '\n' +
+  return costs.camera + ": light, " + std::to_string(costs.width_px) + " x " + std::to_string(costs.height_px) +
+         " pixels, up to " + std::to_string(costs.bounces) + " bounces, load " + number +
+         " at the start, mean radiance " + report_number(kLightDigits, costs.mean_radiance) + '\n' +
          report_text<LightCostRow>(kLightColumns, light_rows({&costs, 1}));
 }
 
@@ -293,7 +363,8 @@ std::string light_cost_legend() {
          "RMS error: root mean square over pixels and linear R, G and B of the difference from the converged picture "
          "of "
          "light=\"path\" with the camera's bounces, in the first frame; +-: its standard error. Paths see lamps with "
-         "their sizes, and skies; all rows have the camera's lens and none of its other effects.\n"
+         "their sizes, and skies; all rows have the camera's view and lens in a small image, and none of its other "
+         "effects.\n"
          "ms: the median frame in which only that camera measures, with the quartiles of the frames.\n";
 }
 

@@ -4,7 +4,8 @@
 // Drawn      The scene's lamps without shadows, each as one light; with shadows; with their sizes; and with ambient
 //            light and skies as distant lights that things block. Lights that a scene has no use for have no row.
 // Paths      light="path" with 1, 4, 16 and 64 samples, of the scene as it is.
-// Compared   All take the picture of the camera's lens, without its other effects.
+// Compared   All take the picture of the camera's lens, without its other effects. Large images are reduced, see
+//            listed_camera(): the paths of the list are 118 for each pixel.
 // Error      The root mean square over pixels and linear R, G and B of the difference from the converged picture, the
 //            expected value of paths with the camera's number of bounces. It is estimated from independent pictures by
 //            paths: the product of the differences from two of them has the square of the wanted difference as its
@@ -17,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/command.h>
 #include <simvis/image.h>
 #include <simvis/simulation.h>
 #include "program/report/cost_desc.h"
@@ -46,12 +48,21 @@ struct LightVariantCosts {
 
 struct LightCosts {
   std::string camera;
-  double load = 0;            ///< see CostRun::load()
-  double mean_radiance = 0;   ///< of the converged picture
-  std::uint32_t bounces = 0;  ///< of its paths
-  std::string refused{};      ///< why paths do not see the scene; empty: they do. Then there are no variants.
+  double load = 0;                            ///< see CostRun::load()
+  std::uint64_t width_px = 0, height_px = 0;  ///< of the pictures
+  double mean_radiance = 0;                   ///< of the converged picture
+  std::uint64_t bounces = 0;                  ///< of its paths
+  std::string refused{};  ///< why paths do not see the scene; empty: they do. Then there are no variants.
   std::vector<LightVariantCosts> variants{};
 };
+
+/// The most pixels of the pictures that are compared, but for the rounding of their sides.
+inline constexpr std::int64_t kListedPixels = 120 * 68;
+
+/// The command of a camera with the same view in an image of that many pixels: width, height, focal lengths, principal
+/// point and polynomials of pixels are scaled. An image that has no more stays as it is. The height is rounded, so that
+/// the view is up to half a pixel higher or lower.
+Command listed_camera(Command command);
 
 /// The names of the enabled sensors that show colour for the simulation and can take it by paths of light.
 std::vector<std::string> costed_lights(const Simulation& simulation);

@@ -83,7 +83,7 @@ void bind_frames(BoundClass<RunningVector>& core) {
             const std::span<const std::size_t> all = self.idle().failed();
             return std::vector<std::size_t>(all.begin(), all.end());
           },
-          "The environments that failed in the last step; all others made their frame.")
+          "The environments whose frame was to be made in the last step and was not.")
       .def(
           "save_states", [](RunningVector& self) { self.work([](VectorSimulation& all) { all.save_states(); }); },
           "Keeps the state of each environment for restore_states(), in place of the one kept before.")

@@ -142,7 +142,8 @@ class VectorOutputs:
     """The outputs of sensors in all environments, as read-only arrays that keep their numbers.
 
     Any output of docs/reference.md whose shape never varies, and "SENSOR.rgb", the sRGB codes of a sensor's colour image. NaN,
-    or 0 of whole numbers, of a sensor that has not measured yet. Each step collects the outputs that have been read once.
+    or 0 of whole numbers, of a sensor that has not measured yet, and of an environment whose changed scene does not give the
+    output in this shape. Each step collects the outputs that have been read once.
     """
 
     def __init__(self, vector: VectorSimulation) -> None:

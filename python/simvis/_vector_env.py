@@ -36,7 +36,7 @@ class SceneVectorEnv(gymnasium.vector.VectorEnv[Observations, Array, Array]):
     settings       as of Simulation.load(), without the seeds, which episodes draw from that of reset()
 
     An environment whose episode has ended ignores the next action and begins another one with the next step
-    (AutoresetMode.NEXT_STEP). Environment i after reset(seed=s) is that of SceneEnv after reset(seed=s + i).
+    (AutoresetMode.NEXT_STEP). With `reload`, environment i after reset(seed=s) is that of SceneEnv after reset(seed=s + i).
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 15, "autoreset_mode": AutoresetMode.NEXT_STEP}

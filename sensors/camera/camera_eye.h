@@ -79,7 +79,7 @@ class CameraEye {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results);
   /// What the last image by paths of light has reached.
   SensorReport report() const { return paths_ ? paths_->report() : SensorReport(); }
-  /// Takes colour by paths of light. `caster`'s world is the list of the frame. Throws InputError if it has splats.
+  /// Takes colour by paths of light. `caster`'s world is the list of the frame. Errors as PathImage::begin().
   void trace(RayCaster& caster);
   /// `caster`'s world is EyeWorld::list.
   void cast(RayCaster& caster);

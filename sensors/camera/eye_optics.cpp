@@ -19,6 +19,7 @@ EyeOptics::EyeOptics(const EyeDesc& desc)
       samples(color_samples(layout.exposure)),
       still_samples(simvis::still_samples(layout.exposure)) {
   const bool casts_all = desc.paths.by_paths() && (desc.depth || desc.truth.any());
+  check_one_axis();
   if (casts_all || desc.truth.casts() || (desc.truth.any() && resamples()))
     rays.emplace(layout, views, desc.pinhole.near_m);
   if (!desc.truth.boxes) return;
@@ -28,7 +29,6 @@ EyeOptics::EyeOptics(const EyeDesc& desc)
 
 void EyeOptics::check(const EyeDesc& desc, const TargetLimits& limits) const {
   if (desc.color) check_sampling(desc.sampling, desc.pinhole, limits);
-  check_one_axis();
   check_samples();
   if (!resamples() || (rays && !desc.color)) return;
   const std::uint32_t supersampling = desc.color ? desc.sampling.supersampling : 1;

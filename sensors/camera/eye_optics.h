@@ -45,6 +45,7 @@ struct EyeDesc {
 
 /// The geometry of images, which the eyes of one camera share, and what their rays need.
 struct EyeOptics {
+  /// Throws InputError for an aperture, or a magnification of colours, of a lens that takes several views.
   explicit EyeOptics(const EyeDesc& desc);
   EyeOptics(const EyeOptics&) = delete;
   EyeOptics& operator=(const EyeOptics&) = delete;

@@ -10,9 +10,9 @@ void MovedWorld::set(const DrawList& list) {
 }
 
 // The places follow the transforms of the list, in their order.
-const DrawList& MovedWorld::place(std::span<const ItemPlace> places) {
+const DrawList& MovedWorld::place(std::span<const ItemPlace> places, unsigned threads) {
   SIMVIS_ASSERT(list_ != nullptr);
-  if (caster_ == nullptr) caster_ = make_host_ray_caster();
+  if (caster_ == nullptr) caster_ = make_host_ray_caster({}, threads);
   if (places.empty()) {
     caster_->set_world(*list_);
     return *list_;

@@ -44,6 +44,13 @@ bool has_thin_items(const DrawList& list) {
   });
 }
 
+// Each has its first light, of those that stand for it.
+bool has_several_sky_pictures(const DrawList& list) {
+  return std::ranges::count_if(list.lights, [](const LightItem& item) {
+           return item.light.lamp_shape == LampShape::sky_picture && item.light.lamp_point == 0;
+         }) > 1;
+}
+
 std::string three_digits(double number) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", number);
@@ -123,14 +130,16 @@ PathImage::PathImage(const PathSampling& sampling, const std::string& sensor, st
           "attribute \"color_magnification\": paths have all colours, expected light=\"drawn\" or no magnification");
 }
 
-// Each reflection casts a ray for the path, and one to each kind of light source.
+// Each reflection casts a ray for the path, and one to each kind of light source. How many surfaces rays pass depends
+// on the scene.
 void PathImage::plan(const std::string& title, FramePlan& plan) const {
   constexpr std::uint64_t kRaysOfReflection = 4;
   const std::uint32_t samples = sampling_.number_of_samples();
   plan.casts.push_back(
       {.name = sensor_,
        .reason = "paths of light of " + title + ": " + (sampling_.noise ? "up to " : "") + std::to_string(samples) +
-                 " through each pixel, of up to " + std::to_string(sampling_.number_of_bounces()) + " bounces",
+                 " through each pixel, of up to " + std::to_string(sampling_.number_of_bounces()) +
+                 " bounces, and again behind each gap and pane of glass",
        .max_rays = optics_.pixels() * samples * (1 + kRaysOfReflection * sampling_.number_of_bounces()),
        .colors = true});
 }
@@ -146,9 +155,15 @@ void PathImage::begin(const DrawList& list, const FrameTime& time) {
             "attribute \"light\": paths do not hit lines, and points without a size, which the scene has, expected "
             "\"drawn\" or their part in \"ignore\"");
   }
+  if (has_several_sky_pictures(list)) {
+    fail_at(sampling_.light_at,
+            "attribute \"light\": paths take the light of one picture of the sky, and the scene has several, expected "
+            "\"drawn\" or one element sky_light with a picture");
+  }
   list_ = &list;
   is_own_ = has_layers(list);
   world_.set(is_own_ ? first_.follow(list) : list);
+  still_from_.reset();
   frame_ = random_key(time);
   estimate_.begin();
 }
@@ -180,27 +195,38 @@ PathStart PathImage::start(std::uint32_t pixel, const SensorRandom& random, cons
   return {pixel, direction, optics_.near_range_m(direction), kPixelDraws};
 }
 
-void PathImage::take_rows(RayCaster& caster, const PixelRows& rows, std::uint32_t sample, const glm::dvec2& lens_m) {
-  const SensorRandom random = random_of(sample);
-  const bool elsewhere = is_own_ || !rows.places.empty();
-  const DrawList& list = elsewhere ? world_.place(rows.places) : *list_;
+// A scene that stands as the tracer has it stays.
+void PathImage::set_scene(RayCaster& caster, std::span<const ItemPlace> places, const glm::dmat4& world_from_view) {
+  if (places.empty() && still_from_ == world_from_view) return;
+  const bool elsewhere = is_own_ || !places.empty();
+  const DrawList& list = elsewhere ? world_.place(places, caster.threads()) : *list_;
   tracer_.set({.list = &list,
                .materials = &list_->materials,
                .caster = elsewhere ? &world_.caster() : &caster,
-               .world_from_view = glm::translate(rows.world_from_view, glm::dvec3(lens_m, 0))});
-  const std::uint32_t width_px = optics_.layout().width_px;
+               .world_from_view = world_from_view});
+  still_from_.reset();
+  if (places.empty()) still_from_ = world_from_view;
+}
+
+void PathImage::take_rows(RayCaster& caster, const PixelRows& rows, std::uint32_t sample, const glm::dvec2& lens_m) {
+  if (!estimate_.takes_some(sample, rows.first, rows.count)) return;
+  set_scene(caster, rows.places, glm::translate(rows.world_from_view, glm::dvec3(lens_m, 0)));
+  const SensorRandom random = random_of(sample);
   const auto trace = [&] {
     caster.parallel_for(starts_.size(), RayCaster::kPacketSize, [&](std::size_t, std::size_t first, std::size_t count) {
       for (std::size_t i = first; i < first + count; ++i) starts_[i] = start(starts_[i].pixel, random, lens_m);
     });
-    std::erase_if(starts_, [](const PathStart& each) { return each.direction == glm::dvec3(0); });
+    const auto shows_nothing = [](const PathStart& each) { return each.direction == glm::dvec3(0); };
+    for (const PathStart& each : starts_) {
+      if (shows_nothing(each)) estimate_.add(sample, each.pixel, glm::dvec3(0));
+    }
+    std::erase_if(starts_, shows_nothing);
     radiance_.resize(starts_.size());
     tracer_.trace(starts_, random, frame_, radiance_);
     for (std::size_t i = 0; i < starts_.size(); ++i) estimate_.add(sample, starts_[i].pixel, radiance_[i]);
     starts_.clear();
   };
-  for_tiled_pixels(rows.first, rows.count, width_px, [&](std::uint32_t pixel) {
-    if (!estimate_.takes(sample, pixel)) return;
+  estimate_.for_pixels(sample, rows.first, rows.count, [&](std::uint32_t pixel) {
     starts_.push_back({.pixel = pixel});
     if (starts_.size() == kPathsAtOnce) trace();
   });

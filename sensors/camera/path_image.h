@@ -5,8 +5,7 @@
 //          exposure and from one random point of the lens. Time and point are those of all pixels, so that errors of
 //          neighbours are alike where they come from these. Samples of one pixel are independent.
 // Error    color_stddev is the standard deviation of the mean of the samples, as their spread shows it.
-// pixel_estimate.h
-//          has both, and decides how many samples `noise` needs.
+//          pixel_estimate.h has both, and decides how many samples `noise` needs.
 #pragma once
 
 #include <cstdint>
@@ -68,7 +67,8 @@ class PathImage {
   /// Adds the rays.
   void plan(const std::string& title, FramePlan& plan) const;
 
-  /// Starts the image of a frame. Throws InputError if the list has Gaussian splats. The list must live until finish().
+  /// Starts the image of a frame. Throws InputError if the list has Gaussian splats, lines, points without a size, or
+  /// several pictures of the sky. The list must live until finish().
   void begin(const DrawList& list, const FrameTime& time);
   /// Whether a sample is to be taken; all samples before it have been.
   bool wants(std::uint32_t sample) { return estimate_.wants(sample); }
@@ -84,6 +84,7 @@ class PathImage {
 
  private:
   SensorRandom random_of(std::uint32_t sample) const { return {seed_, sensor_ + "/path " + std::to_string(sample)}; }
+  void set_scene(RayCaster& caster, std::span<const ItemPlace> places, const glm::dmat4& world_from_view);
   void take_rows(RayCaster& caster, const PixelRows& rows, std::uint32_t sample, const glm::dvec2& lens_m);
   PathStart start(std::uint32_t pixel, const SensorRandom& random, const glm::dvec2& lens_m) const;
 
@@ -96,7 +97,8 @@ class PathImage {
   LayerList first_{SurfaceLayer::first};
   MovedWorld world_;
   const DrawList* list_ = nullptr;
-  bool is_own_ = false;  // rays hit what the copy of the list has
+  bool is_own_ = false;                   // rays hit what the copy of the list has
+  std::optional<glm::dmat4> still_from_;  // V of the tracer's scene, if nothing in it stands elsewhere; of this frame
   std::uint64_t frame_ = 0;
   std::vector<PathStart> starts_;
   std::vector<glm::dvec3> radiance_;  // by start

@@ -73,6 +73,12 @@ bool PixelEstimate::takes(std::uint32_t sample, std::uint32_t pixel) const {
   return sample / parts_.size() < part.samples[tile_of(pixel)];
 }
 
+bool PixelEstimate::takes_some(std::uint32_t sample, std::uint32_t first_row, std::uint32_t rows) const {
+  bool some = false;
+  for_tiles(sample, first_row, rows, [&](std::uint32_t, std::uint32_t, std::uint32_t) { some = true; });
+  return some;
+}
+
 // Welford, "Note on a Method for Calculating Corrected Sums of Squares and Products" (1962).
 void PixelEstimate::add(std::uint32_t sample, std::uint32_t pixel, const glm::dvec3& value) {
   Part& part = parts_[sample % parts_.size()];

@@ -10,6 +10,7 @@
 //          dark. The error that is reached scatters around the wanted one as the pilot samples do.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -40,7 +41,13 @@ class PixelEstimate {
   /// Whether some pixel takes this sample, and whether that pixel does. All samples before it have been taken.
   bool wants(std::uint32_t sample);
   bool takes(std::uint32_t sample, std::uint32_t pixel) const;
-  /// Adds a sample of a pixel that takes it. A pixel without samples has the mean 0.
+  /// Calls action(pixel) for each pixel of these rows that takes a sample. Eight columns of a tile come after each
+  /// other, row by row: whole packets of rays.
+  template <typename Action>
+  void for_pixels(std::uint32_t sample, std::uint32_t first_row, std::uint32_t rows, const Action& action) const;
+  /// Whether there is such a pixel.
+  bool takes_some(std::uint32_t sample, std::uint32_t first_row, std::uint32_t rows) const;
+  /// Adds a sample of a pixel that takes it: each of them must be added, in their order.
   void add(std::uint32_t sample, std::uint32_t pixel, const glm::dvec3& value);
 
   glm::dvec3 mean(std::uint32_t pixel) const;
@@ -56,6 +63,9 @@ class PixelEstimate {
   };
   std::uint32_t pixels() const { return width_px_ * height_px_; }
   std::size_t tile_of(std::uint32_t pixel) const;
+  // Calls action(top, bottom, left) for each part of a tile that is in these rows and takes the sample.
+  template <typename Action>
+  void for_tiles(std::uint32_t sample, std::uint32_t first_row, std::uint32_t rows, const Action& action) const;
   template <typename Number>
   std::vector<double> means_of_tiles(const Number& of_pixel) const;
   void decide();
@@ -67,5 +77,33 @@ class PixelEstimate {
   std::vector<Part> parts_;  // one without `noise`
   std::uint32_t end_ = 0;    // samples that some pixel takes
 };
+
+template <typename Action>
+void PixelEstimate::for_tiles(std::uint32_t sample, std::uint32_t first_row, std::uint32_t rows,
+                              const Action& action) const {
+  const std::uint32_t end = first_row + rows;
+  for (std::uint32_t top = first_row, bottom = 0; top < end; top = bottom) {
+    bottom = std::min(end, (top / kTileSize_px + 1) * kTileSize_px);
+    for (std::uint32_t left = 0; left < width_px_; left += kTileSize_px) {
+      if (takes(sample, top * width_px_ + left)) action(top, bottom, left);
+    }
+  }
+}
+
+template <typename Action>
+void PixelEstimate::for_pixels(std::uint32_t sample, std::uint32_t first_row, std::uint32_t rows,
+                               const Action& action) const {
+  constexpr std::uint32_t kColumns = 8;
+  static_assert(kTileSize_px % kColumns == 0);
+  const auto add_columns = [&](std::uint32_t top, std::uint32_t bottom, std::uint32_t left) {
+    const std::uint32_t right = std::min(left + kColumns, width_px_);
+    for (std::uint32_t row = top; row < bottom; ++row) {
+      for (std::uint32_t column = left; column < right; ++column) action(row * width_px_ + column);
+    }
+  };
+  for_tiles(sample, first_row, rows, [&](std::uint32_t top, std::uint32_t bottom, std::uint32_t left) {
+    for (std::uint32_t from = left; from < left + kTileSize_px; from += kColumns) add_columns(top, bottom, from);
+  });
+}
 
 }  // namespace simvis

@@ -10,11 +10,6 @@
 namespace simvis {
 namespace {
 
-bool is_pinhole(const CameraCalibration& camera) {
-  return camera.distortion_model == "plumb_bob" &&
-         std::ranges::all_of(camera.distortion_coefficients, [](double each) { return each == 0; });
-}
-
 // Where a ray reaches a depth along z. Rays of a fisheye may lead backwards, and their depths are then below 0.
 glm::dvec3 at_depth(const glm::dvec3& ray, double depth_m) {
   const double length = depth_m / ray.z;
@@ -22,6 +17,11 @@ glm::dvec3 at_depth(const glm::dvec3& ray, double depth_m) {
 }
 
 }  // namespace
+
+bool is_pinhole(const CameraCalibration& camera) {
+  return camera.distortion_model == "plumb_bob" &&
+         std::ranges::all_of(camera.distortion_coefficients, [](double each) { return each == 0; });
+}
 
 std::vector<glm::dvec3> optical_points(const Image& depth, const CameraCalibration& camera) {
   const Pinhole& pinhole = camera.pinhole;

@@ -12,6 +12,7 @@
 #include <simvis/surface_point.h>
 #include "effects/scanner/reflectance.h"
 #include "engine/base/poisson.h"
+#include "engine/splats/seen_splats.h"
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/cloud_attributes.h"
@@ -172,24 +173,38 @@ void TofCamera::cast(RayCaster& caster) {
   publish();
 }
 
-bool TofCamera::is_splat(const RayHit& hit) const {
-  return list_->meshes[list_->items[hit.item].mesh]->splats != nullptr;
+// Splats before the t_min of a ray stop light of it. Where there are splats, rays begin at near_m instead.
+std::vector<TofCamera::ViewHit> TofCamera::cast_view(RayCaster& caster, std::span<const glm::dvec3> directions,
+                                                     std::span<const double> near_m) const {
+  const glm::dmat4 world_from_view = moment_.world_from_sensor * sensor_from_view();
+  const bool begins_at_near = has_splats(*list_);
+  std::vector<RayHit> hits(directions.size());
+  if (begins_at_near) {
+    std::vector<glm::dvec3> origins_m;
+    for (std::size_t i = 0; i < directions.size(); ++i) origins_m.push_back(near_m[i] * directions[i]);
+    caster.cast_from(world_from_view, origins_m, directions, hits);
+  } else {
+    caster.cast(world_from_view, directions, hits, near_m);
+  }
+  std::vector<ViewHit> from_near;
+  for (std::size_t i = 0; i < hits.size(); ++i) from_near.push_back({hits[i], begins_at_near ? near_m[i] : 0});
+  return from_near;
 }
 
 std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, const PixelFan& fan) {
   const glm::dmat4 world_from_view = moment_.world_from_sensor * sensor_from_view();
   const auto& [pixels, directions, near_m] = fan;
-  std::vector<RayHit> hits(pixels.size());
-  caster.cast(world_from_view, directions, hits, near_m);
+  const std::vector<ViewHit> hits = cast_view(caster, directions, near_m);
   std::vector<LitPoint> lit;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const RayHit& hit = hits[i];
-    if (!std::isfinite(hit.range_m)) continue;
-    const SurfacePoint surface = surface_point(*list_, world_from_view, directions[i], hit);
+    const double range_m = hits[i].range_m();
+    if (!std::isfinite(range_m)) continue;
+    const glm::dmat4 world_from_near = glm::translate(world_from_view, hits[i].begins_m * directions[i]);
+    const SurfacePoint surface = surface_point(*list_, world_from_near, directions[i], hits[i].hit);
     const double reflected = reflectance(surface), cosine = -glm::dot(surface.normal, directions[i]);
-    add(pixels[i], reflected * cosine / (hit.range_m * hit.range_m), 2 * hit.range_m);
-    if (is_splat(hit)) continue;
-    lit.push_back({pixels[i], hit.range_m * directions[i], surface.normal, hit.range_m, reflected});
+    add(pixels[i], reflected * cosine / (range_m * range_m), 2 * range_m);
+    if (is_splat(hits[i].hit)) continue;
+    lit.push_back({pixels[i], range_m * directions[i], surface.normal, range_m, reflected});
   }
   return lit;
 }
@@ -239,10 +254,9 @@ void TofCamera::add_lit(RayCaster& caster, const std::vector<Path>& paths) {
     directions.push_back(glm::normalize(path.lit_m));
     near_m.push_back(optics_.near_range_m(directions.back()));
   }
-  std::vector<RayHit> hits(paths.size());
-  caster.cast(moment_.world_from_sensor * sensor_from_view(), directions, hits, near_m);
+  const std::vector<ViewHit> hits = cast_view(caster, directions, near_m);
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const bool shaded = hits[i].range_m < (1 - kTouching) * glm::length(paths[i].lit_m);
+    const bool shaded = hits[i].range_m() < (1 - kTouching) * glm::length(paths[i].lit_m);
     if (!shaded) add(paths[i].pixel, paths[i].amplitude, paths[i].length_m);
   }
 }

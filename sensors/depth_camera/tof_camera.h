@@ -29,11 +29,13 @@
 
 #include <complex>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <simvis/philox.h>
 #include <simvis/sensor.h>
+#include "engine/draw/splat_item.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_optics.h"
 #include "sensors/described_sensor.h"
@@ -75,6 +77,12 @@ class TofCamera : public Sensor {
     std::complex<double> phasor;
     double sum = 0;
   };
+  /// The hit of a ray that begins at this range from the origin of the view.
+  struct ViewHit {
+    RayHit hit;
+    double begins_m = 0;
+    double range_m() const { return begins_m + hit.range_m; }
+  };
   /// A surface that the camera sees.
   struct LitPoint {
     std::uint32_t pixel;
@@ -89,7 +97,10 @@ class TofCamera : public Sensor {
   };
   void add(std::uint32_t pixel, double amplitude, double length_m);
   /// Splats return the light of the lamp, and reflect none to other surfaces.
-  bool is_splat(const RayHit& hit) const;
+  bool is_splat(const RayHit& hit) const { return is_splat_item(*list_, hit.item); }
+  /// Casts rays of the view. Nothing at or before near_m counts, splats included.
+  std::vector<ViewHit> cast_view(RayCaster& caster, std::span<const glm::dvec3> directions,
+                                 std::span<const double> near_m) const;
   std::vector<LitPoint> cast_direct(RayCaster& caster, const PixelFan& fan);
   std::vector<Path> cast_bounce(RayCaster& caster, const std::vector<LitPoint>& lit, std::uint32_t ray,
                                 std::uint32_t bounce) const;

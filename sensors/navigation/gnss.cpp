@@ -93,7 +93,7 @@ std::vector<TableColumn> gnss_columns(bool has_satellites) {
 
 std::vector<OutputSpec> gnss_outputs(const SensorContext& context) {
   std::vector<OutputSpec> outputs = reading_outputs(context, gnss_columns(true));
-  const bool given = !read_desc<GnssDesc>(context).satellites.none();
+  const bool given = read_desc<GnssDesc>(context).has_satellites();
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (i >= kGnssColumns.size()) {
       outputs[i].when = "satellites";
@@ -141,27 +141,17 @@ AttributeRows<GnssDesc> GnssDesc::rows() {
           nested(&Desc::vertical, noise_rows("vertical_", "the altitude", "m")),
           nested(&Desc::velocity, noise_rows("velocity_", "the velocity", "m/s")),
           nested(&Desc::satellites, satellites_rows()),
-          nested(&Desc::pseudorange, noise_rows("pseudorange_", "the distance to each satellite", "m")),
+          nested(&Desc::pseudorange, noise_rows("pseudorange_", "the distance to each satellite", "m"))
+              .only(kWithSatellites, &Desc::has_satellites),
           row(&Desc::max_pdop, "max_pdop", "", {.min = 0, .max = kMaxPdop, .open_min = true},
-              "with satellites: no fix if the dilution of precision of the position is above this"),
+              "with satellites: no fix if the dilution of precision of the position is above this")
+              .only(kWithSatellites, &Desc::has_satellites),
           kRateAttribute,
           kPresetAttribute};
 }
 
-void GnssDesc::complete(const SensorContext& context) const {
-  if (!satellites.none()) return;
-  for (const CommandAttribute& each : context.command.attributes) {
-    const bool is_of_satellites = each.name == "constellation_time" || each.name == "elevation_mask" ||
-                                  each.name == "reflection" || each.name == "max_pdop" ||
-                                  each.name.starts_with("pseudorange_");
-    if (!is_of_satellites) continue;
-    fail_at(each.where, "attribute " + in_quotes(each.name) +
-                            " is not allowed without satellites, expected satellites=\"gps\" or their directions");
-  }
-}
-
 Gnss::Gnss(std::string name, const GnssDesc& desc)
-    : ReadingSensor(gnss_columns(!desc.satellites.none())),
+    : ReadingSensor(gnss_columns(desc.has_satellites())),
       name_(std::move(name)),
       desc_(desc),
       local_(desc.origin.latitude_deg, desc.origin.longitude_deg, desc.origin.elevation_m),
@@ -179,7 +169,7 @@ void Gnss::sense(const SensedWorld& world) {
 void Gnss::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   ReadingSensor::plan(world_from_sensor, list, plan);
   list_ = &list;
-  if (!desc_.satellites.none()) signals_.plan(name_, "gnss receiver " + name_, plan);
+  if (desc_.has_satellites()) signals_.plan(name_, "gnss receiver " + name_, plan);
 }
 
 void Gnss::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
@@ -187,13 +177,13 @@ void Gnss::collect(const FrameTime& time, const FramePlan&, std::span<const Pass
   set_constant("horizontal_variance", desc_.horizontal.white_variance(period_s()));
   set_constant("vertical_variance", desc_.vertical.white_variance(period_s()));
   set_constant("velocity_variance", desc_.velocity.white_variance(period_s()));
-  if (!desc_.satellites.none()) return;
+  if (desc_.has_satellites()) return;
   const std::array<double, 6> v = measured(is_jammed_ ? std::nullopt : std::optional(glm::dvec3(0)));
   set_reading(time, {v[0], v[1], v[2], v[3], v[4], v[5]});
 }
 
 void Gnss::cast(RayCaster& rays) {
-  if (desc_.satellites.none()) return;
+  if (!desc_.has_satellites()) return;
   std::vector<SatelliteSignal> signals =
       signals_.find(rays, *list_, world_from_sensor(), static_cast<double>(time_.time_ns) / 1e9);
   const auto visible = std::ranges::count_if(signals, &SatelliteSignal::direct);

@@ -48,8 +48,7 @@ struct GnssDesc {
   std::uint64_t seed = 0;
 
   static AttributeRows<GnssDesc> rows();
-  /// Throws InputError at an attribute that says something of satellites if there are none.
-  void complete(const SensorContext& context) const;
+  bool has_satellites() const { return !satellites.none(); }
 };
 
 class Gnss : public ReadingSensor {
@@ -57,13 +56,13 @@ class Gnss : public ReadingSensor {
   Gnss(std::string name, const GnssDesc& desc);
 
   SensorNeeds needs() const override {
-    return {.motion = true, .gnss_jamming = true, .shapes = !desc_.satellites.none()};
+    return {.motion = true, .gnss_jamming = true, .shapes = desc_.has_satellites()};
   }
   void sense(const SensedWorld& world) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& rays) override;
-  std::string method() const override { return desc_.satellites.none() ? "geodetic position" : "satellites"; }
+  std::string method() const override { return desc_.has_satellites() ? "satellites" : "geodetic position"; }
 
  private:
   double period_s() const { return sample_period_s(rate_hz, time_); }

@@ -2,6 +2,7 @@
 
 #include <GeographicLib/Geocentric.hpp>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <string_view>
 
@@ -35,7 +36,7 @@ void read_satellites(SatellitesDesc& desc, const AttributeValues& attributes) {
   if (!attributes.is_set(kName)) return;
   desc.satellites = attributes.text(kName);
   desc.list.clear();
-  if (desc.none() || desc.satellites == "gps") return;
+  if (desc.none() || desc.is_gps()) return;
   const auto refuse = [&](std::string_view word) {
     fail_at(attributes.where(kName), "attribute \"satellites\": " + in_quotes(word) +
                                          " is not allowed, expected none, gps, or AZIMUTH:ELEVATION in degrees, from "
@@ -92,17 +93,20 @@ AttributeRows<SatellitesDesc> satellites_rows() {
                              .read = read_satellites},
           row(&Desc::constellation_time_s, "constellation_time", "s", {.min = 0, .max = 1e9},
               "with satellites=\"gps\": time since the epoch of the constellation at simulated time 0; it repeats "
-              "after a sidereal day, 86164 s"),
+              "after a sidereal day, 86164 s")
+              .only("with satellites=\"gps\"", &Desc::is_gps),
           row(&Desc::elevation_mask_rad, "elevation_mask", kDegrees, {.min = 0, .max = 90},
-              "satellites below this elevation are not received"),
+              "satellites below this elevation are not received")
+              .only(kWithSatellites, std::not_fn(&Desc::none)),
           row(&Desc::reflection, "reflection", "", {.min = 0, .max = 1, .open_max = true},
-              "amplitude of signals that walls reflect, as a share of the direct ones; 0: they are not received")};
+              "amplitude of signals that walls reflect, as a share of the direct ones; 0: they are not received")
+              .only(kWithSatellites, std::not_fn(&Desc::none))};
 }
 
 std::vector<Satellite> satellites_in_sky(const SatellitesDesc& desc, const GeodeticOrigin& origin,
                                          const glm::dvec3& place_m, double time_s) {
   const std::vector<glm::dvec3> directions =
-      desc.satellites == "gps" ? gps_directions(origin, place_m, desc.constellation_time_s + time_s) : desc.list;
+      desc.is_gps() ? gps_directions(origin, place_m, desc.constellation_time_s + time_s) : desc.list;
   std::vector<Satellite> sky;
   for (std::uint32_t i = 0; i < directions.size(); ++i) {
     const glm::dvec3& to = directions[i];

@@ -17,6 +17,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/sensor_type.h>
@@ -33,9 +34,14 @@ struct SatellitesDesc {
   double reflection = 0;  ///< amplitude of a reflected signal, as a share of the direct one; 0: none is received
 
   bool none() const { return satellites == "none"; }
+  bool is_gps() const { return satellites == "gps"; }
 };
 
-/// Reading them throws InputError at `satellites` for a word that is neither a system nor a direction.
+/// The condition of rows that have no effect without satellites.
+inline constexpr std::string_view kWithSatellites = "with satellites=\"gps\" or their directions";
+
+/// Reading them throws InputError at `satellites` for a word that is neither a system nor a direction, and at an
+/// attribute that has no effect: constellation_time without the GPS constellation, and all others without satellites.
 AttributeRows<SatellitesDesc> satellites_rows();
 
 /// A satellite above the horizon.

@@ -61,6 +61,27 @@ TEST_CASE("a ROS map whose cells alternate") {
         "map.yaml: error: has walls of more than 1000000 rectangles, expected a map with less noise");
 }
 
+TEST_CASE("an OctoMap of two leaves in opposite corners of a wall one cell thick") {
+  Bomb bomb;
+  // Cells (0, 0, 0) and (0, 65535, 4095) of the root: the second is in child 2 (y) of the first four nodes of its path,
+  // and in child 6 (y and z) of the other twelve.
+  const auto node = [](unsigned bits) {
+    return std::string{static_cast<char>(bits & 0xff), static_cast<char>(bits >> 8)};
+  };
+  constexpr unsigned kOccupied = 2, kInner = 3;
+  std::string tree = node(kInner | kInner << 4);
+  for (int depth = 1; depth < 15; ++depth) tree += node(kInner);
+  tree += node(kOccupied);
+  for (int depth = 1; depth < 15; ++depth) tree += node(kInner << (depth < 4 ? 4 : 12));
+  tree += node(kOccupied << 12);
+  const std::string file = "# Octomap OcTree binary file\nid OcTree\nsize 33\nres 0.05\ndata\n" + tree;
+  CHECK(file.size() < 130);
+  write_text(bomb / "wall.bt", file);
+  CHECK(bomb.message("wall.bt") ==
+        "wall.bt: error: its occupied cells span 1 x 65536 x 4096 cells, expected at most 1073741824 after rows along "
+        "x are filled up to a multiple of 64");
+}
+
 TEST_CASE("glTF accessors of zeros") {
   for (const bool sparse : {false, true}) {
     CAPTURE(sparse);

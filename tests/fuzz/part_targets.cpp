@@ -75,6 +75,9 @@ void read_map(Input input) {
   read_part_file(input_file("part.yaml", input.first(end)));
 }
 
+void read_octomap(Input input) { read_part_file(input_file("part.bt", input)); }
+void read_voxels(Input input) { read_part_file(input_file("part.npz", input)); }
+
 void read_heights(Input input) {
   const bool exr = text_of(input).starts_with("\x76\x2f\x31\x01");
   read_height_picture(input_file(exr ? "heights.exr" : "heights.png", input));
@@ -86,6 +89,8 @@ const TargetRegistration kSdf("sdf", read_sdf);
 const TargetRegistration kMjcf("mjcf", read_mjcf);
 const TargetRegistration kUsd("usd", read_usd);
 const TargetRegistration kMap("map", read_map);
+const TargetRegistration kOctomap("octomap", read_octomap);
+const TargetRegistration kVoxels("voxels", read_voxels);
 const TargetRegistration kHeights("heights", read_heights);
 
 }  // namespace

@@ -3,8 +3,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <simvis/error.h>
 #include "engine/base/input_file.h"
@@ -120,6 +122,49 @@ TEST_CASE("the folder above a part is not open if it is shared: temporary files,
   CHECK(opens(home / "models/car/part.obj", home / "models/x"));
   before == nullptr ? ::unsetenv("HOME") : ::setenv("HOME", kept.c_str(), 1);
   CHECK(opens("/part.obj", "/etc/hostname"));  // what is below the folder of a part is open
+}
+
+// Sets an environment variable and keeps the working directory as long as it lives.
+class ChangedSurroundings {
+ public:
+  explicit ChangedSurroundings(const char* variable) : variable_(variable) {
+    if (const char* const value = std::getenv(variable)) before_ = value;
+  }
+  ~ChangedSurroundings() {
+    before_ ? ::setenv(variable_, before_->c_str(), 1) : ::unsetenv(variable_);
+    fs::current_path(folder_);
+  }
+  ChangedSurroundings(const ChangedSurroundings&) = delete;
+  ChangedSurroundings& operator=(const ChangedSurroundings&) = delete;
+  void set(const fs::path& value) const { ::setenv(variable_, value.c_str(), 1); }
+
+ private:
+  const char* variable_;
+  std::optional<std::string> before_;
+  fs::path folder_ = fs::current_path();
+};
+
+TEST_CASE("the folder for temporary files is shared as soon as it is made") {
+  const TemporaryFolder folder;
+  const ChangedSurroundings surroundings("TMPDIR");
+  surroundings.set(folder / "later");
+  CHECK_FALSE(is_shared_folder(folder / "later"));
+  fs::create_directory(folder / "later");
+  CHECK(is_shared_folder(folder / "later"));
+  const ReadFence fence(folders_of_part(folder / "later/model/part.obj"));
+  CHECK_FALSE(is_readable(folder / "later/x.png"));
+}
+
+TEST_CASE("a relative folder for temporary files starts at the present working directory") {
+  const TemporaryFolder folder;
+  const ChangedSurroundings surroundings("TMPDIR");
+  surroundings.set("temporary");
+  for (const char* const name : {"first", "second"}) fs::create_directories(folder / name / "temporary");
+  for (const auto& [here, elsewhere] : {std::pair("first", "second"), {"second", "first"}}) {
+    fs::current_path(folder / here);
+    CHECK(is_shared_folder(folder / here / "temporary"));
+    CHECK_FALSE(is_shared_folder(folder / elsewhere / "temporary"));
+  }
 }
 
 TEST_CASE("symbolic links count where they lead, except those into a package") {

@@ -81,6 +81,9 @@ TEST_CASE("the list of light has rows for what the scene offers, and paths whose
   REQUIRE(all.size() == 1);
   CHECK(all[0].refused.empty());
   CHECK(all[0].mean_radiance > 0);
+  CHECK(all[0].width_px == 64);
+  CHECK(all[0].height_px == 48);
+  CHECK(all[0].bounces == 1);
   const std::vector<LightVariantCosts>& rows = all[0].variants;
   REQUIRE(rows.size() == 9);
   const auto named = [&](std::size_t i, const std::string& name) {
@@ -105,6 +108,42 @@ TEST_CASE("the list of light has rows for what the scene offers, and paths whose
     const double expected = rows[i].error.rms / 2, off = rows[i + 1].error.rms - expected;
     CHECK(std::abs(off) < 0.15 * expected + 5 * (rows[i].error.uncertainty + rows[i + 1].error.uncertainty));
   }
+}
+
+// The numbers of an attribute of a camera with these attributes, as the list has it.
+std::vector<double> listed(const std::string& attributes, const char* name) {
+  const Simulation simulation = Simulation::from_string(
+      "<scene><sensor type=\"camera\" name=\"C\" insert_at=\"ROOT\" light=\"path\" " + attributes + "/></scene>");
+  const Command command = listed_camera(simulation.diagnostics().command("C"));
+  std::vector<double> numbers;
+  std::istringstream words(command.require(name).value);
+  for (double number = 0; words >> number;) numbers.push_back(number);
+  return numbers;
+}
+
+TEST_CASE("the list takes large cameras in a small image of the same view") {
+  // A quarter of it is 120 x 67.5.
+  const std::string focal = "width=\"480\" height=\"270\" ", lens = focal + "hfov=\"70\" ";
+  CHECK(listed(lens, "width") == std::vector<double>{120});
+  CHECK(listed(lens, "height") == std::vector<double>{68});
+  CHECK(listed(lens, "hfov") == std::vector<double>{70});
+  const std::string pinhole = focal + "fx=\"250\" fy=\"248\" cx=\"239.5\" cy=\"132.5\" ";
+  CHECK(listed(pinhole, "fx") == std::vector<double>{62.5});
+  CHECK(listed(pinhole, "fy") == std::vector<double>{62});
+  CHECK(listed(pinhole, "cx") == std::vector<double>{59.5});
+  CHECK(listed(pinhole, "cy") == std::vector<double>{32.75});
+  const auto polynomial = [&](const std::string& lens_and_numbers) {
+    return listed(focal + "distortion=" + lens_and_numbers, "polynomial");
+  };
+  CHECK(polynomial("\"ftheta\" polynomial=\"0 250 -8 4\"") == std::vector<double>{0, 62.5, -2, 1});
+  // The same angles of a quarter of the distances; 2^-26 becomes 2^-20.
+  CHECK(polynomial("\"ftheta_backward\" polynomial=\"0 0.0078125 0 1.4901161193847656e-8\"") ==
+        std::vector<double>{0, 0.03125, 0, 0x1p-20});
+  // Small images stay. Drawn ones may have more pixels than paths through an image of their size.
+  CHECK(listed("width=\"100\" height=\"50\"", "width") == std::vector<double>{100});
+  const Simulation drawn = Simulation::from_string(
+      "<scene><sensor type=\"camera\" name=\"C\" insert_at=\"ROOT\" width=\"2048\" height=\"2049\"/></scene>");
+  CHECK(listed_camera(drawn.diagnostics().command("C")).require("width").value == "90");
 }
 
 TEST_CASE("what is drawn without less of the light is as the scene has it afterwards") {
@@ -157,13 +196,13 @@ TEST_CASE("simvis-run --price prints the list of light, writes light_price.csv, 
       Process({simvis_run(), box.scene(), "--price", "--frames", "1", "--sensor", "CAM", "--out", out}).wait();
   INFO(printed.err);
   REQUIRE(printed.exit_code == 0);
-  CHECK(contains(printed.out, "CAM: light, load "));
+  CHECK(contains(printed.out, "CAM: light, 64 x 48 pixels, up to 1 bounces, load "));
   CHECK(contains(printed.out, "\npaths 64 "));
   CHECK(contains(printed.out, light_cost_legend()));
   CHECK(contains(printed.out, "wrote " + out + "/light_price.csv\n"));
   std::istringstream csv(read_text(box.folder / "out/light_price.csv"));
   std::size_t lines = 0;
-  for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') >= 11);
+  for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') >= 14);
   CHECK(lines == 10);
 
   write_text(box.folder / "dots.ply",

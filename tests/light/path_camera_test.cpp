@@ -9,7 +9,9 @@
 
 #include <simvis/diagnostics.h>
 #include <simvis/simulation.h>
+#include "sensors/camera/moved_world.h"
 #include "tests/support/error_of.h"
+#include "tests/support/sky_files.h"
 #include "tests/support/splat_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -96,6 +98,33 @@ TEST_CASE("samples fill the lens: a circle of confusion that an edge cuts") {
   CHECK(pixel.stddev > 0);
 }
 
+// Beyond 110 degrees a fisheye sees nothing: the circle r = fx theta crosses a pixel from x = 30 to 31 and y = 0 to 1.
+TEST_CASE("a pixel at the edge of a fisheye has the light of the part of its square that sees something") {
+  constexpr double kFocal_px = 16, kSamples = 4000;
+  Simulation simulation = Simulation::from_string(
+      "<simvis><element type='sky' name='SKY' insert_at='ROOT' red='1' green='1' blue='1'/>"
+      "<sensor type='camera' name='C' insert_at='ROOT' width='64' height='2' distortion='kannala_brandt' fx='16' "
+      "light='path' bounces='0' samples='4000' outputs='color color_stddev'/></simvis>");
+  simulation.step();
+  const double radius_px = kFocal_px * 110 * std::acos(-1.0) / 180;
+  const double under_arc =
+      (std::sqrt(radius_px * radius_px - 1) + radius_px * radius_px * std::asin(1 / radius_px)) / 2;
+  const double share = under_arc - 30, deviation = std::sqrt(share * (1 - share) / kSamples);
+  REQUIRE(share > 0.5);
+  const Measurement measured = simulation.measurement("C");
+  constexpr std::size_t kPixel = 64 + 32 + 30;  // of the lower row
+  CHECK(std::abs(measured.find("color")->number(4 * kPixel) - share) <= 5 * deviation);
+  CHECK(measured.find("color_stddev")->number(3 * kPixel) == doctest::Approx(deviation).epsilon(0.1));
+}
+
+TEST_CASE("paths through surfaces that cover half use as many threads as all others") {
+  MovedWorld world;
+  const DrawList nothing;
+  world.set(nothing);
+  world.place({}, 1);
+  CHECK(world.caster().threads() == 1);
+}
+
 // The message about a camera with these attributes in the third line of a scene.
 std::string refusal(const std::string& attributes, const std::string& more = "", const fs::path& folder = ".") {
   return error_of([&] {
@@ -138,6 +167,8 @@ TEST_CASE("what contradicts the light is refused at its place, with what is allo
       {"light='path' max_error_px='1'", "max_error_px", "paths hit every triangle, expected 0"},
       {"light='path' width='4000' height='4000'", "height", "too many pixels"},
       {"light='path' color_magnification='1 1 1.01'", "color_magnification", "expected light=\"drawn\""},
+      {"light='path' width='64' height='48' distortion='kannala_brandt' fx='20' aperture='0.01'", "aperture",
+       "this lens is so wide that it takes several views"},
       {"light='path'", "light", "paths do not reflect at Gaussian splats, which the scene has, expected \"drawn\"",
        "splats.ply"},
       {"light='path'", "light", "paths do not hit lines, and points without a size, which the scene has, expected",
@@ -156,6 +187,19 @@ TEST_CASE("what contradicts the light is refused at its place, with what is allo
     CHECK(refusal(row.attributes, "", folder.path()) == "nothing was thrown");
     CHECK(refusal(row.attributes + " ignore='MORE'", more, folder.path()) == "nothing was thrown");
   }
+}
+
+TEST_CASE("several pictures of the sky are refused, and one is not") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "even.exr",
+             sky_exr(sky_picture(8, [](std::uint32_t, std::uint32_t) { return glm::vec3(1); })));
+  const auto sky = [](const std::string& name) {
+    return "<element type='sky_light' insert_at='ROOT' picture='even.exr' name='" + name + "'/>";
+  };
+  const std::string small = kSmall + "light='path' samples='1' bounces='1'";
+  CHECK(contains(refusal(small, sky("DAY") + sky("NIGHT"), folder.path()),
+                 "paths take the light of one picture of the sky, and the scene has several, expected \"drawn\""));
+  CHECK(refusal(small, sky("DAY"), folder.path()) == "nothing was thrown");
 }
 
 // A room whose far half is dark, so that its tiles need no more than the pilot.

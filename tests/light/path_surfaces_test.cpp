@@ -117,23 +117,44 @@ TEST_CASE("a normal map turns the normal along u and against v") {
   }
 }
 
+// What a floor shows of a surface at the height 1, whose front is turned down.
+SeenRadiance floor_below(const Mesh& mesh, const Material& material) {
+  PathStage stage;
+  stage.add(rectangle_mesh({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}), matte(0.5));
+  stage.add(mesh, material, glm::translate(glm::dmat4(1), {0, 0, 1}) * glm::scale(glm::dmat4(1), {1, -1, -1}));
+  return radiance_at(stage, {4, 0, 0.5}, {0.5, 0.3, 0}, 20000, 1);
+}
+
+Mesh left_half() { return rectangle_mesh({-2, -2, 0}, {2, 0, 0}, {0, 4, 0}); }
+
 TEST_CASE("an emissive map is seen, and lights others as a lamp of its bright texel") {
   Material shining = lamp(2);
   shining.map(MapKind::emissive).texture = two_texels({180, 180, 180, 255}, {0, 0, 0, 255});
   const double bright = 2 * linear(180);
   CHECK(seen_at(shining, kPlaces[0]) == doctest::Approx(bright).epsilon(kMapped));
   CHECK(seen_at(shining, kPlaces[1]) == 0);
-  // At the height 1 over a floor, once with the map and once as the half that shines.
-  const auto floor_below = [](const Mesh& mesh, const Material& material) {
-    PathStage stage;
-    stage.add(rectangle_mesh({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}), matte(0.5));
-    stage.add(mesh, material, glm::translate(glm::dmat4(1), {0, 0, 1}) * glm::scale(glm::dmat4(1), {1, -1, -1}));
-    return radiance_at(stage, {4, 0, 0.5}, {0.5, 0.3, 0}, 20000, 1);
-  };
+  // Once with the map and once as the half that shines.
   const SeenRadiance mapped = floor_below(floor_with_uv(), shining);
-  const SeenRadiance half = floor_below(rectangle_mesh({-2, -2, 0}, {2, 0, 0}, {0, 4, 0}), lamp(bright));
+  const SeenRadiance half = floor_below(left_half(), lamp(bright));
   CHECK(half.mean.x > 0.05);
   CHECK(agree(mapped.mean.x, half.mean.x, std::hypot(mapped.stddev.x, half.stddev.x), kMapped));
+}
+
+TEST_CASE("a surface that emits lights others by the share that it covers") {
+  const SeenRadiance whole = floor_below(floor_with_uv(), lamp(2)), half = floor_below(left_half(), lamp(2));
+  CHECK(half.mean.x > 0.05);
+  Material thin = lamp(2), blended = lamp(2), sign = lamp(2);
+  thin.opacity = 0.25f;
+  blended.alpha_mode = AlphaMode::blend;
+  blended.base_color.a = 0.25f;
+  for (const Material& material : {thin, blended}) {
+    const SeenRadiance seen = floor_below(floor_with_uv(), material);
+    CHECK(agree(seen.mean.x, whole.mean.x / 4, std::hypot(seen.stddev.x, whole.stddev.x / 4), kMapped));
+  }
+  sign.alpha_mode = AlphaMode::mask;
+  sign.base_color_texture = two_texels({255, 255, 255, 255}, {255, 255, 255, 0});
+  const SeenRadiance seen = floor_below(floor_with_uv(), sign);
+  CHECK(agree(seen.mean.x, half.mean.x, std::hypot(seen.stddev.x, half.stddev.x), kMapped));
 }
 
 TEST_CASE("the removed texels of a mask let the eye and the lamp through, at a cutoff that they do not reach") {

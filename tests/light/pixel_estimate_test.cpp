@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -28,6 +30,32 @@ void fill(PixelEstimate& estimate, std::uint32_t pixels, const Value& value) {
   for (std::uint32_t sample = 0; estimate.wants(sample); ++sample) {
     for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
       if (estimate.takes(sample, pixel)) estimate.add(sample, pixel, glm::dvec3(value(sample, pixel)));
+    }
+  }
+}
+
+TEST_CASE("the pixels that take a sample are visited once, in any rows") {
+  constexpr std::uint32_t kWidth = 3 * kTile_px - 5, kHeight = 2 * kTile_px + 3;
+  PixelEstimate estimate(kWidth, kHeight, 1, 0.1);
+  const SensorRandom random(3, "pixels");
+  // The tile in the middle of the first row is noisy.
+  const auto is_noisy = [&](std::uint32_t pixel) {
+    return pixel / kWidth < kTile_px && pixel % kWidth / kTile_px == 1;
+  };
+  fill(estimate, kWidth * kHeight, [&](std::uint32_t sample, std::uint32_t pixel) {
+    return is_noisy(pixel) ? random.gaussian(0, pixel, sample) : 0;
+  });
+  for (const std::uint32_t sample : {0u, kPilots + 1}) {
+    for (const std::array<std::uint32_t, 2> of : {std::array{0u, kHeight}, std::array{3u, 20u}, std::array{17u, 1u}}) {
+      const std::uint32_t first = of[0], rows = of[1];
+      std::vector<std::uint32_t> visited, expected;
+      estimate.for_pixels(sample, first, rows, [&](std::uint32_t pixel) { visited.push_back(pixel); });
+      for (std::uint32_t pixel = first * kWidth; pixel < (first + rows) * kWidth; ++pixel) {
+        if (sample < kPilots || is_noisy(pixel)) expected.push_back(pixel);
+      }
+      std::ranges::sort(visited);
+      CHECK(visited == expected);
+      CHECK(estimate.takes_some(sample, first, rows) == !expected.empty());
     }
   }
 }

@@ -66,7 +66,7 @@ TEST_CASE("a map has the moving parts where they stand in the last frame, and no
         "..##"
         "....");
   CHECK(read_text(exports.folder / "map.yaml") ==
-        "image: \"map.pgm\"\nmode: trinary\nresolution: 1\norigin: [-2, -2, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+        "image: 'map.pgm'\nmode: trinary\nresolution: 1\norigin: [-2, -2, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
         "free_thresh: 0.196\n");
 }
 
@@ -121,6 +121,7 @@ TEST_CASE("options of maps that are wrong are refused before anything is written
   exports.refuse(
       "a.glb", {"--export-heights", "0,1"},
       "is no map, which the other options of --export describe, expected a name that ends with .yaml, .npz or .bt");
+  exports.refuse("a.glb", {"--export-resolution", "0.05"}, "is no map");  // the default, but given
   const ProcessResult alone = run_simvis({(exports.folder / "scene.xml").string(), "--export-start", "0,0"});
   CHECK(alone.exit_code == 2);
   CHECK(contains(alone.err, "--export-start requires --export"));
@@ -160,6 +161,18 @@ TEST_CASE("a map that lacks what people see, or has no occupied cell, comes with
   const ProcessResult empty = exports.run("map.yaml", {"--export-ignore", "CLOUD", "--export-heights", "5,6"});
   CHECK(empty.exit_code == 0);
   CHECK(contains(empty.err, "map.yaml: the map has no occupied cell, expected surfaces between its heights"));
+}
+
+TEST_CASE("a map does not take the name of a calibration") {
+  const Exports exports;
+  std::string scene = kScene;
+  scene.insert(8, "<sensor type='camera' name='CAM' insert_at='ROOT' width='8' height='8'/>");
+  write_text(exports.folder / "scene.xml", scene);
+  exports.refuse("out/CAM.yaml", {},
+                 "CAM.yaml is reserved for the calibration of sensor \"CAM\", expected another name");
+  exports.refuse("out/../out/CAM_left.yaml", {}, "is reserved for the calibration of sensor \"CAM\"");
+  CHECK(exports.run("CAM.yaml").exit_code == 0);
+  CHECK(exports.run("out/CAM_map.yaml").exit_code == 0);
 }
 
 TEST_CASE("files of an earlier map stay with --no-replace, the picture too") {

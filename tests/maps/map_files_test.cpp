@@ -57,8 +57,16 @@ TEST_CASE("a ROS map has the names, numbers and shades of map_saver") {
   CHECK(files[0].bytes == "P5\n3 2\n255\n" + bytes_of({254, 254, 205, 0, 254, 254}));
   CHECK(files[1].file == "out/a \"b.yaml");
   CHECK(files[1].bytes ==
-        "image: \"a \\\"b.pgm\"\nmode: trinary\nresolution: 0.05\norigin: [-0.15000000000000002, 0.1, 0]\nnegate: 0\n"
+        "image: 'a \"b.pgm'\nmode: trinary\nresolution: 0.05\norigin: [-0.15000000000000002, 0.1, 0]\nnegate: 0\n"
         "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+}
+
+// YAML 1.1 reads 1e-04 as a text.
+TEST_CASE("numbers of a ROS map are floats of YAML 1.1") {
+  const std::vector<MapFileBytes> files =
+      encode_map(map_of({-1, 3, 0}, {1, 1, 1}, 0.0001, kFree), "a.yaml", MapFormat::ros_map);
+  REQUIRE(files.size() == 2);
+  CHECK(contains(files[1].bytes, "resolution: 1.0e-04\norigin: [-1.0e-04, "));
 }
 
 TEST_CASE("an OctoMap has the header and the nodes of OctoMap") {
@@ -149,6 +157,19 @@ TEST_CASE("maps give the same cells when they are read back as parts") {
       check_round_trip(voxels, MapFormat::voxels, "map.npz");
       check_round_trip(voxels, MapFormat::octomap, "map.bt");
     }
+  }
+}
+
+TEST_CASE("the picture of a ROS map is found by any name") {
+  for (const std::string name : {"it's", "a \"b\"", "back\\slash", "two\nlines of \"it's\" \\", "# 1: x"}) {
+    CAPTURE(name);
+    const TemporaryFolder folder;
+    const SceneCells map = map_of({2, 1, 0}, {3, 2, 1}, 1, kOccupied);
+    const std::vector<MapFileBytes> files = encode_map(map, folder / (name + ".yaml"), MapFormat::ros_map);
+    REQUIRE(files.size() == 2);
+    write_text(files[0].file, files[0].bytes);
+    write_text(folder / "m.yaml", files[1].bytes);
+    CHECK(map_again(folder / "m.yaml", map, true).states == map.states);
   }
 }
 

@@ -2,6 +2,7 @@
 #include "program/maps/scene_cells.h"
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <functional>
@@ -15,6 +16,8 @@
 #include "engine/draw/round_mesh.h"
 #include "simvis/built_scene.h"
 #include "tests/support/error_of.h"
+#include "tests/support/skip.h"
+#include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("maps");
 
@@ -320,6 +323,27 @@ TEST_CASE("cells that cannot be reached from a start are unknown") {
   };
   CHECK(contains(refused({9, 0, 0}), "the start 9, 0 lies outside of the map"));
   CHECK(contains(refused({4.05, 2, 0}), "the start 4.05, 2 lies in an occupied cell"));
+}
+
+TEST_CASE("the search from a start takes less memory than the map") {
+  if (sanitized()) return test::skip(test::kNotSanitized);  // freed memory is kept
+  const DrawList list = list_of(box_at("1 1 1", "0.5 0.5 0.5 0 0 0"));
+  constexpr int kSide = 2048;
+  MapDesc desc{.resolution_m = 1, .is_flat = true, .heights_m = {{0.1, 1}}, .area_m = {{{0, 0}, {kSide, kSide}}}};
+  const auto largest_kB = [] {
+    rusage used{};
+    ::getrusage(RUSAGE_SELF, &used);
+    return used.ru_maxrss;
+  };
+  const SceneCells all = map_scene(list, {}, desc);
+  const long before_kB = largest_kB();
+  desc.start_m = {kSide - 0.5, kSide - 0.5, 0};
+  const SceneCells reached = map_scene(list, {}, desc);
+  CHECK(reached.states == all.states);
+  // The states of the second map are a byte for each of 2^22 cells, 4096 kB. The front of the search is a diagonal of
+  // at most 2 kSide cells of 12 bytes, 48 kB; pages and the allocator may round that up to as much again as the states.
+  constexpr long kMaxGrowth_kB = 2 * 4096;
+  CHECK(largest_kB() - before_kB < kMaxGrowth_kB);
 }
 
 TEST_CASE("maps with too many cells are refused with their size") {

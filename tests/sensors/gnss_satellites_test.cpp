@@ -535,8 +535,16 @@ TEST_CASE("wrong attributes are errors that say where and what is allowed") {
     CAPTURE(name);
     const std::string message = error(name + "='0.5'");
     CHECK(contains(message, ":2:"));
-    CHECK(contains(message, "\"" + name + "\" is not allowed without satellites"));
+    const std::string allowed = name == "constellation_time" ? "\"gps\"" : "\"gps\" or their directions";
+    CHECK(message.ends_with("\"" + name + "\" is allowed only with satellites=" + allowed));
+    CHECK((error("satellites='0:30' " + name + "='0.5'") == "nothing was thrown") == (name != "constellation_time"));
     CHECK(error("satellites='gps' " + name + "='0.5'") == "nothing was thrown");
+  }
+  for (const std::string type : {"gnss", "gnss_satellites"}) {
+    const std::string before = "<sensor type='" + type + "' name='G' insert_at='ROOT' satellites='0:30 90:30' ";
+    CHECK(error("satellites='0:30 90:30' constellation_time='1'", type) ==
+          "<string>:2:" + std::to_string(before.size() + 1) +
+              ": error: attribute \"constellation_time\" is allowed only with satellites=\"gps\"");
   }
   for (const std::string wrong : {"elevation_mask='91'", "elevation_mask='-1'", "reflection='1'", "reflection='-0.1'",
                                   "constellation_time='-1'", "max_pdop='0'", "pseudorange_stddev='-1'"}) {

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -17,6 +18,7 @@
 #include "tests/support/long_count.h"
 #include "tests/support/loopback_dds.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
@@ -139,6 +141,33 @@ TEST_CASE("runs that are killed at any moment leave whole files, and the next ru
   }
   MESSAGE(kills, " runs were killed, ", ends, " had ended");
   CHECK(kills > 0);
+}
+
+// As a kill between the two files of a map: what follows the call that fails is not done.
+TEST_CASE("a map of ROS never names the picture of another map, whichever file cannot get its name") {
+  if (sanitized()) return test::skip(test::kNotSanitized);  // the preloaded library must come first
+  const KilledScene scene;
+  const auto command = [&](const TemporaryFolder& results, const TemporaryFolder& map, const char* resolution_m) {
+    return scene.command({"--out", (results / "out").string(), "--export", (map / "map.yaml").string(),
+                          "--export-resolution", resolution_m});
+  };
+  for (int at = 1; at <= 2; ++at) {
+    CAPTURE(at);
+    const TemporaryFolder results, map, marks;
+    REQUIRE(Process(command(results, map, "0.1")).wait().exit_code == 0);
+    const ProcessResult failed =
+        Process(command(results, map, "0.2"),
+                {"LD_PRELOAD=" + tested_build() + "/lib/libsimvis_failing_calls.so", "SIMVIS_FAIL_IN=simvis-run",
+                 "SIMVIS_FAIL_BELOW=" + map.path().string(), "SIMVIS_FAIL_CALL=rename",
+                 "SIMVIS_FAIL_AT=" + std::to_string(at), "SIMVIS_FAIL_ERRNO=" + std::to_string(EIO),
+                 "SIMVIS_FAIL_MARK=" + (marks / "mark").string()})
+            .wait();
+    INFO(failed.err);
+    CHECK(failed.exit_code == 1);
+    CHECK(std::filesystem::file_size(marks / "mark") == 1);
+    CHECK(std::filesystem::exists(map / "map.pgm"));
+    CHECK_FALSE(std::filesystem::exists(map / "map.yaml"));
+  }
 }
 
 TEST_CASE("a resumed run with recordings that is killed again and again") {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <numeric>
 #include <set>
 #include <span>
@@ -17,6 +18,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/every_sensor.h"
 #include "tests/support/sensor_bytes.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("simvis");
 
@@ -227,6 +229,78 @@ TEST_CASE("if an environment fails, the others make their frame") {
   CHECK(contains(error_of([&] { vector.step(); }), "(environment 0; these have failed too: 2)"));
 }
 
+TEST_CASE("after an error of a consumer, an environment has made its frame and has not failed") {
+  const TemporaryFolder folder;
+  VectorSimulation vector = room();
+  vector.environment(1)->record({.file = folder / "run.mcap"});
+  std::filesystem::create_directory(folder / "run.mcap");  // no recording can be made here
+  const std::string message = message_of<OutletError>([&] { vector.step(); });
+  CHECK(contains(message, "recording: "));
+  CHECK(contains(message, "(environment 1)"));
+  CHECK(vector.failed().empty());
+  vector.step();
+  for (const std::size_t i : kAll) CHECK(vector.environment(i)->last_frame()->index == 1);
+}
+
+TEST_CASE("an environment without an output has nothing there, makes no frame, and shows its other outputs") {
+  VectorSimulation vector = room(2, kNoise + "<sensor type='laser_scanner' name='KEPT' insert_at='ROBOT'/>");
+  const VectorOutput& missing = vector.output("NOISY", "range_m");
+  const VectorOutput& kept = vector.output("KEPT", "range_m");
+  vector.step();
+  const VectorOutput missing_before = missing, kept_before = kept;  // the next rows are written to other memory
+  vector.environment(2)->execute("<remove name='NOISY'/>");
+  vector.set("MOVE", "x", std::array{1.0});
+  CHECK(contains(error_of([&] { vector.step(); }), "there is no sensor \"NOISY\" (environment 2)"));
+  CHECK(std::vector(vector.failed().begin(), vector.failed().end()) == std::vector<std::size_t>{2});
+  for (const double range : row(missing, 2)) CHECK(std::isnan(range));
+  CHECK(same(row(kept, 2), row(kept_before, 2)));
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+    CHECK(!same(row(missing, i), row(missing_before, i)));
+    CHECK(!same(row(kept, i), row(kept_before, i)));
+    CHECK(vector.environment(i)->last_frame()->index == 1);
+  }
+  CHECK(vector.environment(2)->last_frame()->index == 0);
+  CHECK(contains(error_of([&] { vector.step(std::array<std::size_t, 1>{0}); }), "(environment 2)"));
+  CHECK(vector.failed().empty());  // only environment 0 was to make a frame
+  CHECK(vector.environment(0)->last_frame()->index == 2);
+}
+
+TEST_CASE("errors of single environments name them: in load, set and get") {
+  const TemporaryFolder folder;
+  write_text(folder / "wall.obj", "v 1 0 0\nv 1 1 0\nv 1 0 1\nf 1 2 3\n");
+  const std::string sensor = "<sensor type='laser_scanner' name='S' insert_at='ROOT' samples='3'/>";
+  SimulationDesc desc = desc_with(1);
+  desc.progress = [&](const Progress&) { std::filesystem::remove(folder / "wall.obj"); };  // when 0 and 1 are loaded
+  const std::string message = error_of([&] {
+    VectorSimulation::from_string("<s><part name='P' insert_at='ROOT' file='wall.obj'/>" + sensor + "</s>", kCount,
+                                  desc, folder.path());
+  });
+  CHECK(contains(message, "there is no part file"));
+  CHECK(message.ends_with(" (environment 2)"));
+  VectorSimulation vector = room();
+  vector.environment(1)->execute("<remove name='NECK'/>");
+  CHECK(error_of([&] { vector.set("NECK", "value", std::array{1.0}); }).ends_with(" (environment 1)"));
+  CHECK(vector.environment(0)->get("NECK", "value") == 0);
+  CHECK(error_of([&] { static_cast<void>(vector.get("NECK", "value")); }).ends_with(" (environment 1)"));
+}
+
+TEST_CASE("the progress of loading ends with the number of environments") {
+  for (const std::size_t count : {std::size_t{1}, kCount}) {
+    for (const unsigned threads : {1u, 2u, 8u}) {
+      std::vector<Progress> all;
+      SimulationDesc desc = desc_with(threads);
+      desc.progress = [&](const Progress& progress) { all.push_back(progress); };
+      VectorSimulation::from_string(scene_with(kNoise), count, desc);
+      REQUIRE(!all.empty());
+      CHECK(all.back().done == count);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        CHECK(all[i].total == count);
+        if (i > 0) CHECK(all[i - 1].done < all[i].done);
+      }
+    }
+  }
+}
+
 TEST_CASE("some environments go back to their states, and the others go on") {
   VectorSimulation vector = room();
   const std::vector<std::size_t> some = {2, 0};
@@ -247,6 +321,18 @@ TEST_CASE("some environments go back to their states, and the others go on") {
   CHECK(same(row(ranges, 2), frames[2]));
   CHECK(!same(row(ranges, 1), frames[1]));
   CHECK(vector.environment(1)->last_frame()->index == 3);
+}
+
+TEST_CASE("if one environment cannot go back to its state, it stays and the others go back") {
+  VectorSimulation vector = room();
+  vector.step();
+  vector.save_states();
+  vector.step();
+  vector.environment(1)->execute("<remove name='NECK'/>");
+  const std::string message = error_of([&] { vector.restore_states(kAll); });
+  CHECK(contains(message, "the state is of another scene"));
+  CHECK(message.ends_with(" (environment 1)"));
+  for (const std::size_t i : kAll) CHECK(vector.environment(i)->next_frame().index == (i == 1 ? 2u : 1u));
 }
 
 TEST_CASE("an environment that is loaded again has another seed, and the same sensors on") {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/error.h>
 #include <simvis/simulation.h>
 #include "tests/support/error_of.h"
 #include "tests/support/splat_file.h"
@@ -135,6 +136,98 @@ TEST_CASE("range sensors, sonars, radars and time-of-flight cameras see the spla
     CHECK(static_cast<double>(tof.pixels[i]) == doctest::Approx(static_cast<double>(camera.pixels[i])).epsilon(1e-6));
   }
   CHECK(near > 10);
+}
+
+// Two thin splats before and behind a place at 2 m: 0.6 of the light is left behind the first one, 0.36 behind both.
+std::vector<FileSplat> two_splats(double first_m) {
+  const auto thin = [](double range_m) {
+    return FileSplat{.center_m = {range_m, 0, 0}, .sigma_m = glm::dvec3(0.05), .opacity = 0.4};
+  };
+  return {thin(first_m), thin(kBall_m)};
+}
+
+TEST_CASE("a beam that continues behind a pane lacks the light that a splat before the pane has stopped") {
+  const std::string pane =
+      "<part name='PANE' insert_at='ROOT' shape='box' size='0.01 1 1' pose_offset='2 0 0 0 0 0'/>"
+      "<element type='material' name='GLASS' insert_at='ROOT' part='PANE' transmission='1'/>";
+  const auto middle = [&](const std::vector<FileSplat>& splats) {
+    const Simulation simulation =
+        with_splats(kBackWall + kBush + pane + scanner("path_depth='2' range_max='20'"), splats);
+    return static_cast<double>(simulation.scan("SCAN").range_m[20]);
+  };
+  CHECK(middle(two_splats(1)) == doctest::Approx(kBall_m).epsilon(1e-6));
+  CHECK(middle({two_splats(1)[1]}) == doctest::Approx(kFace_m).epsilon(1e-6));
+}
+
+TEST_CASE("a beam that left before a box came into its way has the light that the splats on the way leave") {
+  // The box moves to the beam from the side. The middle beam leaves half a sweep before the frame's time.
+  constexpr double kStep_m = 5;
+  const std::string box =
+      "<part name='AT' insert_at='ROOT'/><element type='pose' name='MOVE' insert_at='AT'/>"
+      "<part name='BOX' insert_at='AT' shape='box' size='0.1 0.1 0.1' pose_offset='2 0 0 0 0 0'/>";
+  Simulation simulation = with_splats(kBackWall + kBush + box + scanner("sweep='0.01' range_max='20'"), two_splats(1));
+  simulation.set("MOVE", "y", kStep_m);
+  simulation.step();
+  simulation.set("MOVE", "y", 0);
+  simulation.step();
+  CHECK(static_cast<double>(simulation.scan("SCAN").range_m[20]) == doctest::Approx(kBall_m).epsilon(1e-6));
+}
+
+TEST_CASE("a time-of-flight camera does not see splats nearer than near") {
+  const auto range_m = [](const std::string& near) {
+    const Simulation simulation =
+        with_splats(kBackWall + kBush +
+                        "<sensor type='tof_camera' name='TOF' insert_at='ROOT' width='3' height='3' hfov='20' "
+                        "outputs='range' frequency='1e6' near='" +
+                        near + "'/>",
+                    two_splats(0.5));
+    return static_cast<double>(to_image(*simulation.measurement("TOF").find("range"))->pixels[4]);
+  };
+  CHECK(range_m("0.1") == doctest::Approx(kBall_m).epsilon(1e-6));
+  CHECK(range_m("1") == doctest::Approx(kFace_m).epsilon(1e-6));
+}
+
+TEST_CASE("a splat adds the radiance of its colour to a receiver's noise, on every side of it and in every light") {
+  constexpr double kGrey = 0.5, kSunlight = 50, kNear = 1e-5;  // far above the rounding of colours to float32
+  const double radiance = std::pow((kGrey + 0.055) / 1.055, 2.4);
+  const double threshold = radiance / (kBall_m * kBall_m) / std::sqrt(1 + kSunlight * radiance);
+  const FileSplat splat{
+      .center_m = {kBall_m, 0, 0}, .sigma_m = glm::dvec3(0.2), .opacity = 0.99, .color = glm::dvec3(kGrey)};
+  const auto sees = [&](const std::string& height_m, const std::string& sun, double dropout_power) {
+    const Simulation simulation = with_splats(
+        kBush + "<element type='light' name='SUN' insert_at='ROOT' azimuth='180' elevation='60' intensity='" + sun +
+            "'/><sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='1' min_angle='0' " +
+            "max_angle='0' dropout_noise='0' sunlight='" + format_number(kSunlight) + "' dropout_power='" +
+            format_number(dropout_power) + "' pose_offset='0 0 " + height_m + " 0 0 0'/>",
+        {splat});
+    return std::isfinite(simulation.scan("SCAN").range_m[0]);
+  };
+  for (const std::string height_m : {"-0.1", "0.1"}) {
+    for (const std::string sun : {"0", "2"}) {
+      CAPTURE(height_m);
+      CAPTURE(sun);
+      CHECK(sees(height_m, sun, threshold * (1 - kNear)));
+      CHECK_FALSE(sees(height_m, sun, threshold * (1 + kNear)));
+    }
+  }
+}
+
+TEST_CASE("a splat returns no pulses of other scanners, as a wall does") {
+  const auto ranges_of = [](const std::string& target, const std::string& crosstalk) {
+    Simulation simulation =
+        with_splats(target + "<part name='OTHER' insert_at='ROOT' pose_offset='0 0.5 0 0 0 0'/>" +
+                    scanner("sweep='2e-6' beam_diameter='0.3' range_max='80' return='last' " + crosstalk));
+    std::vector<float> all;
+    for (int frame = 0; frame < 20; ++frame) {
+      simulation.step();
+      const auto& ranges_m = simulation.scan("SCAN").range_m;
+      all.insert(all.end(), ranges_m.begin(), ranges_m.end());
+    }
+    return all;
+  };
+  const std::string others = "crosstalk='OTHER'";
+  CHECK(ranges_of(kBush, others) == ranges_of(kBush, ""));
+  CHECK(ranges_of(kBackWall, others) != ranges_of(kBackWall, ""));
 }
 
 TEST_CASE("a scanner and the middle of a camera's image see one range, wherever the cloud stands") {

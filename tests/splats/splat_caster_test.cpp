@@ -20,6 +20,7 @@ namespace {
 
 using test::random_splats;
 using test::shuffled;
+using test::uniform;
 using test::uniform_vec;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -94,8 +95,11 @@ TEST_CASE("a ray hits the splat at which half of its light is left, or the wall"
   CHECK(range({ball(2, 0.3), ball(3, 0.3), ball(4, 0.3)}) == doctest::Approx(3).epsilon(kRounding));
   CHECK(range({ball(4, 0.3), ball(3, 0.3), ball(2, 0.3)}) == doctest::Approx(3).epsilon(kRounding));
   CHECK(range({ball(2, 0.3), ball(3, 0.3)}, 2.5) == 2.5);
-  CHECK(range({ball(2, 0.3), ball(3, 0.3)}, 0, 2.5) == kNone);
-  CHECK(range({ball(2, 0.3), ball(3, 0.6)}, 0, 2.5) == doctest::Approx(3).epsilon(kRounding));
+  // A ray that continues behind 2.5 m has lost 0.3 of its light before, and hits nothing there.
+  CHECK(range({ball(2, 0.3), ball(3, 0.3)}, 0, 2.5) == doctest::Approx(3).epsilon(kRounding));
+  CHECK(range({ball(2, 0.3), ball(3, 0.2)}, 5, 2.5) == 5);
+  CHECK(range({ball(2, 0.9)}, 0, 2.5) == kNone);
+  CHECK(range({ball(2, 0.9), ball(3, 0.3)}, 0, 2.5) == doctest::Approx(3).epsilon(kRounding));
   CHECK(range({ball(-2, 0.9)}, 5) == 5);
 }
 
@@ -209,6 +213,42 @@ TEST_CASE("rays from any place hit what all splats in order say, within their bo
   CHECK(hits > 300);
   CHECK(misses > 300);
   CHECK(second > 50);
+}
+
+// The range at which a ray from the world's origin comes nearest to a round splat, in its standard deviations.
+double peak_in_long_double(const CloudPart& part, const glm::dvec3& way) {
+  using Vector = glm::vec<3, long double>;
+  using Matrix = glm::mat<3, 3, long double>;
+  const Matrix mesh_from_world = glm::inverse(Matrix(part.world_from_mesh));
+  const Vector direction = mesh_from_world * Vector(way),
+               to_center = Vector(part.cloud.splats[0].center) + mesh_from_world * Vector(part.world_from_mesh[3]);
+  return static_cast<double>(glm::dot(to_center, direction) / glm::dot(direction, direction));
+}
+
+TEST_CASE("the bound of a range covers the rounding of directions in a cloud that is stretched a thousandfold") {
+  constexpr double kSigma_m = 1e-3, kStretch = 1000;
+  constexpr int kRays = 200;
+  std::mt19937 numbers(1);
+  int tested = 0;
+  for (; tested < kRays; ++tested) {
+    CAPTURE(tested);
+    const int longest = tested % 3;
+    glm::dvec3 stretch(1), center = uniform_vec(numbers, -2 * kSigma_m, 2 * kSigma_m);
+    stretch[longest] = kStretch;
+    center[longest] = 0.01;  // 10 m in the world
+    const double turn = uniform(numbers, 0, 3);
+    const glm::dmat4 turned = glm::rotate(glm::dmat4(1), turn, glm::normalize(uniform_vec(numbers, -1, 1)));
+    CloudPart part = cloud_of({ball(0, 0.99, kSigma_m)});
+    part.cloud.splats[0].center = glm::vec3(center);
+    part.world_from_mesh = glm::scale(turned, stretch);
+    // At most sqrt(3) / 2 standard deviations beside the centre, where 0.68 of the light stops.
+    const glm::dvec3 beside = center + 0.5 * kSigma_m * uniform_vec(numbers, -1, 1);
+    const glm::dvec3 way = glm::normalize(glm::dvec3(part.world_from_mesh * glm::dvec4(beside, 1)));
+    const RayHit hit = SplatWorld({part}).along({0, 0, 0}, way);
+    REQUIRE(std::abs(hit.range_m - peak_in_long_double(part, way)) <= hit.error_bound_m);
+    REQUIRE(hit.error_bound_m < 1e-6);
+  }
+  CHECK(tested == kRays);
 }
 
 TEST_CASE("rays and pixels of cameras agree within their rounding") {

@@ -4,8 +4,7 @@
 //   tangential   x'' = x' s + 2 p1 x' y' + p2 (r^2 + 2 x'^2) + s1 r^2 + s2 r^4
 //   thin prism   y'' = y' s + p1 (r^2 + 2 y'^2) + 2 p2 x' y' + s3 r^2 + s4 r^4
 //   tilt         of the image sensor by tau_x, then tau_y: (x'', y'', 1) is turned by R = Ry Rx and projected back
-//   along
-//                the axis; with w = R (x'', y'', 1), the place is (R33 w1 - R13 w3, R33 w2 - R23 w3) / w3
+//                along the axis; with w = R (x'', y'', 1), the place is (R33 w1 - R13 w3, R33 w2 - R23 w3) / w3
 // brown_conrady has k1 to k3, p1 and p2. rational_polynomial has all.
 // Sources: D. C. Brown, "Decentering distortion of lenses", Photogrammetric Engineering 32, 1966; D. Claus and A. W.
 // Fitzgibbon, "A rational function lens distortion model for general cameras", CVPR 2005; J. Weng, P. Cohen and

@@ -1,0 +1,15 @@
+// Items of a draw list that are clouds of Gaussian splats.
+#pragma once
+
+#include <cstdint>
+
+#include <simvis/draw_list.h>
+
+namespace simvis {
+
+/// Whether this item has splats, visible or not.
+inline bool is_splat_item(const DrawList& list, std::uint32_t item) {
+  return list.meshes[list.items[item].mesh]->splats != nullptr;
+}
+
+}  // namespace simvis
