@@ -48,6 +48,7 @@ ALL_TYPES = """<simvis>
   <sensor type="force_torque" name="force_torque" insert_at="upper" joint="shoulder"/>
   <sensor type="event_camera" name="event_camera" insert_at="HEAD" width="16" height="12" shot_noise="50"/>
   <sensor type="gnss" name="gnss" insert_at="HEAD" horizontal_stddev="0.5"/>
+  <sensor type="gnss_satellites" name="satellites" insert_at="HEAD"/>
   <sensor type="imu" name="imu" insert_at="HEAD" gyroscope_noise_density="1.7e-4"/>
   <sensor type="joint_state" name="joint_state" insert_at="ARM"/>
   <sensor type="keypoints" name="keypoints" insert_at="HEAD" points="MARK" width="16" height="12"/>
