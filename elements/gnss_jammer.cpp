@@ -9,6 +9,7 @@ constexpr AttributeSpec kGnssJammerAttributes[] = {
      .unit = "m",
      .text = "distance within which receivers have no fix; 0: it is off",
      .min = 0,
+     .max = 1e6,
      .live = true},
 };
 

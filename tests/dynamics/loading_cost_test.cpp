@@ -3,7 +3,9 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <fstream>
+#include <limits>
 #include <string>
 
 #include "tests/support/moving_scene.h"
@@ -24,11 +26,16 @@ double processor_s() {
   return static_cast<double>(used.ru_utime.tv_sec) + static_cast<double>(used.ru_utime.tv_usec) / 1e6;
 }
 
+// The least of three: other work on the machine makes caches cold, but never warmer.
 template <typename Action>
 double time_of(const Action& action) {
-  const double before_s = processor_s();
-  action();
-  return processor_s() - before_s;
+  double least_s = std::numeric_limits<double>::infinity();
+  for (int turn = 0; turn < 3; ++turn) {
+    const double before_s = processor_s();
+    action();
+    least_s = std::min(least_s, processor_s() - before_s);
+  }
+  return least_s;
 }
 
 std::string place(int i) { return std::to_string(i % 100) + " " + std::to_string(i / 100) + " 5"; }
