@@ -39,7 +39,8 @@ glm::dvec3 SkySampler::radiance(const glm::dvec3& direction) const {
 glm::dvec3 SkySampler::sample(const glm::dvec3& random) const {
   const auto chosen = std::ranges::upper_bound(sums_, random.z * sums_.back());
   const std::size_t pixel = std::min(static_cast<std::size_t>(chosen - sums_.begin()), sums_.size() - 1);
-  const auto column = static_cast<double>(pixel % picture_->width), row = static_cast<double>(pixel / picture_->width);
+  const std::size_t row_of_pixel = pixel / picture_->width;
+  const auto column = static_cast<double>(pixel % picture_->width), row = static_cast<double>(row_of_pixel);
   const double azimuth = glm::mix(sphere_.azimuth_rad(column), sphere_.azimuth_rad(column + 1), random.x);
   const double sine =
       glm::mix(std::sin(sphere_.elevation_rad(row)), std::sin(sphere_.elevation_rad(row + 1)), random.y);

@@ -94,12 +94,12 @@ void require_free_names(const Options& options, MapFormat format, const Simulati
 
 class MapOutlet : public RunOutlet {
  public:
-  MapOutlet(const std::filesystem::path& file, MapFormat format, MapDesc desc, std::vector<std::string> ignored,
+  MapOutlet(const std::filesystem::path& file, MapFormat format, const MapDesc& desc, std::vector<std::string> ignored,
             Simulation& simulation)
       : simulation_(simulation),
         name_(file),
         format_(format),
-        desc_(std::move(desc)),
+        desc_(desc),
         ignored_(std::move(ignored)),
         folders_(file.has_parent_path() ? file.parent_path() : ".") {
     for (const std::filesystem::path& each : files_of_map(file, format)) {
@@ -195,9 +195,9 @@ class MapOutlet : public RunOutlet {
 std::unique_ptr<RunOutlet> map_outlet(const Options& options, Simulation& simulation) {
   const std::optional<MapFormat> format = map_format_of(options.export_file);
   SIMVIS_ASSERT(format);
-  MapDesc desc = map_desc(options, *format);
+  const MapDesc desc = map_desc(options, *format);
   require_free_names(options, *format, simulation);
-  return std::make_unique<MapOutlet>(options.export_file, *format, std::move(desc), options.export_ignore, simulation);
+  return std::make_unique<MapOutlet>(options.export_file, *format, desc, options.export_ignore, simulation);
 }
 
 void require_map_for_map_options(const Options& options) {

@@ -55,6 +55,7 @@ bool PixelEstimate::wants(std::uint32_t sample) {
 
 // With n samples of the variance v in each part, the mean of all has the variance v / (kParts n).
 void PixelEstimate::decide() {
+  constexpr std::uint32_t kMaxOfPart = kMaxSamples / kParts;
   for (std::size_t part = 0; part < kParts; ++part) {
     const std::vector<glm::dvec3>& deviations = parts_[(part + 1) % kParts].deviations;
     const std::vector<double> variances =
@@ -62,7 +63,7 @@ void PixelEstimate::decide() {
     for (std::size_t tile = 0; tile < tiles_; ++tile) {
       const double wanted = std::ceil(variances[tile] / (kParts * *noise_ * *noise_));
       std::uint32_t& samples = parts_[part].samples[tile];
-      samples = static_cast<std::uint32_t>(std::clamp<double>(wanted, kPilotSamples, kMaxSamples / kParts));
+      samples = static_cast<std::uint32_t>(std::clamp(wanted, double{kPilotSamples}, double{kMaxOfPart}));
       end_ = std::max(end_, kParts * samples);
     }
   }
@@ -84,7 +85,8 @@ void PixelEstimate::add(std::uint32_t sample, std::uint32_t pixel, const glm::dv
   Part& part = parts_[sample % parts_.size()];
   glm::dvec3& mean = part.mean[pixel];
   const glm::dvec3 before = value - mean;
-  mean += before / static_cast<double>(sample / parts_.size() + 1);
+  const std::size_t taken = sample / parts_.size() + 1;
+  mean += before / static_cast<double>(taken);
   part.deviations[pixel] += before * (value - mean);
 }
 
