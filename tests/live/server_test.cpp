@@ -358,7 +358,7 @@ TEST_CASE("of a thousand connections only as many are held as the limit says, an
     CHECK(all.front()->receive_all().empty());                            // closed at once
     CHECK(open_files() <= before + all.size() + limits.connections + 1);  // and the one that is being accepted
   }
-  for (int i = 0; i < 1000 && open_files() > before; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 6000 && open_files() > before; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   CHECK(open_files() <= before);
   echoing.check_alive();
 }
