@@ -17,9 +17,10 @@ def series(axes, rows, color, label, below):
     errors = [float(row["rms_error"]) for row in rows]
     spread = [float(row["rms_uncertainty"]) for row in rows]
     axes.errorbar(times, errors, yerr=spread, color=color, marker="o", markersize=4, capsize=2, label=label)
-    for row, time, error in zip(rows, times, errors):
+    for number, (row, time, error) in enumerate(zip(rows, times, errors)):
         text = row["light"].removeprefix("paths ").removeprefix("with ")
-        axes.annotate(text, (time, error), xytext=(4, -11 if below else 5), textcoords="offset points", color=color, fontsize=7)
+        axes.annotate(text, (time, error), xytext=(4, -11 - 9 * (number % 2) if below else 5),
+                      textcoords="offset points", color=color, fontsize=7)
 
 
 def draw(rows):

@@ -35,13 +35,13 @@ class LensModel {
  public:
   virtual ~LensModel() = default;
 
-  /// Whether place() may be called for a direction of V, of any length above 0.
+  /// Whether the lens shows a direction of V, of any length above 0. Only then may place() be called.
   virtual bool shows(const glm::dvec3& direction) const = 0;
 
-  /// Where a direction of V is seen.
+  /// The place at which the lens shows a direction of V, of any length above 0.
   virtual glm::dvec2 place(const glm::dvec3& direction) const = 0;
 
-  /// The direction that is seen at a place, V, unit length. Zero: it is more than kFisheyeLimit_rad off the axis.
+  /// The direction that a place shows, V, unit length. Zero: it is more than kFisheyeLimit_rad off the axis.
   /// Empty: the place lies beyond the fold.
   virtual std::optional<glm::dvec3> direction(const glm::dvec2& place) const = 0;
 
@@ -58,9 +58,9 @@ struct LensType {
   AttributeTable coefficients;
   /// The coefficients in the order of calibrations. Throws InputError at an attribute.
   std::vector<double> (*read)(const AttributeValues& attributes);
-  /// The model with these coefficients; null: there is none with so many.
+  /// Makes the lens with these coefficients. Null: the model has another number of coefficients.
   std::shared_ptr<const LensModel> (*create)(std::span<const double> coefficients);
-  /// The focal length that the coefficients have in them. Null: the lens has any.
+  /// Returns the focal length in pixels that the coefficients determine. Null: fx and fy of the sensor say it.
   double (*focal_px)(std::span<const double> coefficients) = nullptr;
 };
 

@@ -161,8 +161,7 @@ SharedPlaces find_shared_places(const fs::path& home_by_variable) {
   return places;
 }
 
-// What the shared folders depend on: the working directory, where relative paths start, and variables of the
-// environment.
+// The working directory and the variables of the environment, on which the shared folders depend.
 struct PlaceInputs {
   std::string working_directory;
   std::vector<std::string> variables;

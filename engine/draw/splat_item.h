@@ -7,7 +7,7 @@
 
 namespace simvis {
 
-/// Whether this item has splats, visible or not.
+/// Whether the item, which may be hidden, is a cloud of splats.
 inline bool is_splat_item(const DrawList& list, std::uint32_t item) {
   return list.meshes[list.items[item].mesh]->splats != nullptr;
 }

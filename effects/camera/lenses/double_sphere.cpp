@@ -22,7 +22,7 @@ constexpr AttributeSpec kDoubleSphereRows[] = {
 struct DoubleSphere {
   double xi, alpha;
 
-  // Of a direction of length 1 at this angle: what its distance from the axis is divided by, and d2.
+  // The divisor of (X, Y) in the formula above, and d2, of a unit vector whose angle from the axis has this cosine.
   double divisor(double cosine) const { return alpha * second(cosine) + (1 - alpha) * (xi + cosine); }
   double second(double cosine) const { return std::sqrt(std::max(0.0, 1 + xi * (xi + 2 * cosine))); }
 

@@ -26,7 +26,7 @@ constexpr AttributeSpec kForwardRows[] =
 
 constexpr std::size_t kMinCoefficients = 2, kMaxCoefficients = 6;
 
-// Whether some lens has the polynomial: it is 0 on the axis, and rises there by a number whose inverse is finite.
+// A lens has the polynomial only if it is 0 on the axis and rises there. The inverse of the slope must be finite.
 bool is_lens(std::span<const double> p) {
   return p.size() >= kMinCoefficients && p.size() <= kMaxCoefficients && p[0] == 0 && p[1] > 0 && std::isnormal(p[1]);
 }
