@@ -135,7 +135,8 @@ if(SIMVIS_SANITIZE MATCHES "thread")
   list(FILTER host_sources EXCLUDE REGEX
        "/raycast/(device_.*|gpu_ray_instance|ray_caster|ray_dispatch|blas_pool|tlas|cost_model).cpp$")
   add_executable(host_threads_tests EXCLUDE_FROM_ALL
-                 ${host_sources} ${PROJECT_SOURCE_DIR}/program/output/encoding_queue.cpp support/test_main.cpp
+                 ${host_sources} ${PROJECT_SOURCE_DIR}/scenegraph/array_bytes.cpp
+                 ${PROJECT_SOURCE_DIR}/program/output/encoding_queue.cpp support/test_main.cpp
                  support/temporary_folder.cpp engine/thread_pool_test.cpp engine/cache_file_test.cpp
                  simvis/encoding_queue_test.cpp raycast/ray_threads_test.cpp
                  ${PROJECT_SOURCE_DIR}/exchange/clients/client.c clients/writers_test.cpp support/one_mapping.cpp)
