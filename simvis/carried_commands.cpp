@@ -42,6 +42,7 @@ void SceneBuilder::run_carried(const Command& part, const PartContent& content, 
 
 std::vector<Command> SceneBuilder::carried_commands(const Command& part, const PartContent& content) const {
   std::vector<Command> commands;
+  if (content.commands.empty()) return commands;
   Folders folders = folders_of_part(content.file);
   for (const PackageFolder& package : built_.scene.packages()) folders.push_back(package.folder);
   const ReadFence fence(folders);

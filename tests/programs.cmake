@@ -141,7 +141,8 @@ if(SIMVIS_SANITIZE MATCHES "thread")
                  simvis/encoding_queue_test.cpp raycast/ray_threads_test.cpp
                  ${PROJECT_SOURCE_DIR}/exchange/clients/client.c clients/writers_test.cpp support/one_mapping.cpp)
   target_include_directories(host_threads_tests PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
-  target_link_libraries(host_threads_tests PRIVATE glm::glm Threads::Threads meshoptimizer::meshoptimizer ${CMAKE_DL_LIBS})
+  target_link_libraries(host_threads_tests PRIVATE glm::glm Threads::Threads meshoptimizer::meshoptimizer OpenSSL::Crypto
+                                                   ${CMAKE_DL_LIBS})
   target_link_options(host_threads_tests PRIVATE LINKER:--wrap=mmap,--wrap=munmap)
   target_compile_options(host_threads_tests PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)  # it does not model fences
   target_compile_definitions(host_threads_tests PRIVATE SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}"

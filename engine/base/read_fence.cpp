@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <climits>
 #include <cstdlib>
 #include <iterator>
 #include <optional>
@@ -31,6 +32,14 @@ fs::path whole_path(const fs::path& path) {
   std::error_code error;
   const fs::path whole = fs::absolute(path, error).lexically_normal();
   return whole.has_filename() ? whole : whole.parent_path();
+}
+
+// Where the symbolic link leads; empty: it is none, or cannot be read. One call of the system, where
+// std::filesystem::read_symlink() takes two.
+fs::path target_of(const fs::path& link) {
+  char target[PATH_MAX];
+  const ssize_t size = ::readlink(link.c_str(), target, sizeof target);
+  return size > 0 ? fs::path(target, target + size) : fs::path();
 }
 
 // Whoever may write into a folder can put a mark there, but in his own name alone.
@@ -229,7 +238,7 @@ fs::path without_links(const fs::path& path) {
       found = found.parent_path();
       continue;
     }
-    const fs::path link = links < kMaxFollowed ? fs::read_symlink(found / name, error) : fs::path();
+    const fs::path link = links < kMaxFollowed ? target_of(found / name) : fs::path();
     if (link.empty()) {  // no link, or nothing
       found /= name;
       continue;

@@ -73,17 +73,20 @@ Split best_split(std::span<const Primitive> primitives, const Bins& bins, std::u
     if (bins.per_m[axis] == 0) continue;
     double after[kBins];  // the cost of the primitives after each bin
     Content rest;
+    double cost_after = std::numeric_limits<double>::infinity();
     for (int bin = kBins - 1; bin > 0; --bin) {
-      rest.box = joined(rest.box, content[axis][bin].box);
-      rest.count += content[axis][bin].count;
-      after[bin - 1] =
-          rest.count == 0 ? std::numeric_limits<double>::infinity() : looks(rest.count) * half_area(rest.box);
+      if (content[axis][bin].count > 0) {
+        rest.box = joined(rest.box, content[axis][bin].box);
+        rest.count += content[axis][bin].count;
+        cost_after = looks(rest.count) * half_area(rest.box);
+      }
+      after[bin - 1] = cost_after;
     }
     rest = {};
     for (int bin = 0; bin + 1 < kBins; ++bin) {
+      if (content[axis][bin].count == 0) continue;  // the border before it costs the same
       rest.box = joined(rest.box, content[axis][bin].box);
       rest.count += content[axis][bin].count;
-      if (rest.count == 0) continue;
       const double cost = looks(rest.count) * half_area(rest.box) + after[bin];
       if (cost < best.cost) best = {cost, axis, bin};
     }

@@ -1,10 +1,8 @@
 #include "exchange/messages/description.h"
 
-#include <sys/types.h>
-
-#include <sha2.h>
-
 #include <map>
+
+#include "engine/base/sha256.h"
 
 namespace simvis::ros {
 
@@ -77,9 +75,7 @@ std::string type_hash(const TypeDescription& type) {
   for (const auto& [name, each] : used_types(type)) used += (used.empty() ? "" : ", ") + json_of(*each);
   const std::string json =
       R"({"type_description": )" + json_of(type) + R"(, "referenced_type_descriptions": [)" + used + "]}";
-  char digits[SHA256_DIGEST_STRING_LENGTH];
-  SHA256Data(reinterpret_cast<const std::uint8_t*>(json.data()), json.size(), digits);
-  return std::string("RIHS01_") + digits;
+  return "RIHS01_" + sha256_of_text(json);
 }
 
 }  // namespace simvis::ros

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/sha256.h"
 #include "exchange/messages/evt3.h"
 #include "program/cli/load_scene.h"
 #include "program/report/shard.h"

@@ -8,6 +8,7 @@
 #include <simvis/error.h>
 #include "engine/base/file_pieces.h"
 #include "engine/base/file_writing.h"
+#include "engine/base/sha256.h"
 #include "program/output/pose_files.h"
 #include "scenegraph/language/json_text.h"
 

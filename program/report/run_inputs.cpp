@@ -1,6 +1,5 @@
 #include "program/report/run_inputs.h"
 
-#include <sha2.h>
 #include <sys/utsname.h>
 
 #include <algorithm>
@@ -11,8 +10,8 @@
 #include <thread>
 
 #include <simvis/sensor.h>
-#include "engine/base/file_pieces.h"
 #include "engine/base/recorded_variables.h"
+#include "engine/base/sha256.h"
 
 namespace simvis {
 
@@ -25,15 +24,6 @@ std::string name_from_here(const std::filesystem::path& file) {
 }
 
 }  // namespace
-
-std::string sha256_of(const std::filesystem::path& file) {
-  SHA2_CTX hash;
-  ::SHA256Init(&hash);
-  read_in_pieces(file, [&](std::span<const std::uint8_t> piece) { ::SHA256Update(&hash, piece.data(), piece.size()); });
-  char digits[SHA256_DIGEST_STRING_LENGTH];
-  ::SHA256End(&hash, digits);
-  return digits;
-}
 
 FileHashes hashes_of(std::span<const std::filesystem::path> files) {
   FileHashes hashes;

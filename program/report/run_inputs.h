@@ -13,10 +13,7 @@
 
 namespace simvis {
 
-/// The SHA-256 of a file's content, in hexadecimal, as the program sha256sum prints it. Throws as InputFile.
-std::string sha256_of(const std::filesystem::path& file);
-
-/// Names of files and the hashes of their contents.
+/// Names of files and the SHA-256 of their contents.
 using FileHashes = std::map<std::string, std::string>;
 
 /// Files below the working folder are named from there, so that the names also hold for a copy of that folder.

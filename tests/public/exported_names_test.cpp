@@ -107,6 +107,7 @@ const std::set<std::string> kProgramNames = {
     "rigid_mount_frame",
     "ros::msg_text",
     "seen_solids_around",
+    "sha256_of",
     "send_command",
     "send_messages",
     "shared_thread_pool",

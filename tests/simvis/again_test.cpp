@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "program/report/run_inputs.h"
+#include "engine/base/sha256.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
