@@ -10,6 +10,7 @@
 #include <variant>
 
 #include <simvis/location.h>
+#include "engine/base/assert.h"
 #include "engine/base/srgb.h"
 #include "simvis/simulation_use.h"
 
@@ -135,6 +136,11 @@ std::span<Number> row_of(SharedArray<Number>& numbers, const OutputShape& shape,
   return {numbers.edit().data() + environment * count, count};
 }
 
+/// Whether an array of the shape `given` has the numbers of `shown`, which may have fewer channels.
+bool has_numbers_of(const OutputShape& given, const OutputShape& shown) {
+  return given.rows == shown.rows && given.columns == shown.columns && given.channels >= shown.channels;
+}
+
 /// Writes the row of an environment that does not give the output in its shape.
 void write_nothing(VectorOutput& output, std::size_t environment) {
   std::visit(
@@ -183,13 +189,12 @@ VectorSimulationImpl::VectorSimulationImpl(UnbuiltScene unbuilt, std::size_t cou
   const auto report = [&](std::size_t done) {
     if (given.progress) given.progress({"loading environments", done, count});
   };
-  pool->parallel_for(count - 1, 1, [&](std::size_t, std::size_t first, std::size_t pieces) {
-    for (std::size_t i = first + 1; i < first + 1 + pieces; ++i) {
-      call_named(i, [&] { environment_call()([&] { environments[i] = load(desc.seed + i); }); });
-      const std::size_t done = ++loaded;
-      if (done < count && std::this_thread::get_id() == caller) report(done);
-    }
-  });
+  const auto count_one = [&] {
+    const std::size_t done = ++loaded;
+    if (done < count && std::this_thread::get_id() == caller) report(done);
+  };
+  throw_any(for_each(
+      Environments(all).subspan(1), [&](std::size_t i) { environments[i] = load(desc.seed + i); }, count_one));
   report(count);
 }
 
@@ -215,7 +220,8 @@ void VectorSimulationImpl::check(Environments indices) const {
 }
 
 VectorSimulationImpl::Failures VectorSimulationImpl::for_each(Environments indices,
-                                                              const std::function<void(std::size_t)>& work) const {
+                                                              const std::function<void(std::size_t)>& work,
+                                                              const std::function<void()>& after) const {
   Failures failures(environments.size());
   pool->parallel_for(indices.size(), 1, [&](std::size_t, std::size_t first, std::size_t count) {
     for (const std::size_t index : indices.subspan(first, count)) {
@@ -224,6 +230,7 @@ VectorSimulationImpl::Failures VectorSimulationImpl::for_each(Environments indic
       } catch (...) {
         failures[index] = std::current_exception();
       }
+      if (after && !failures[index]) after();
     }
   });
   return failures;
@@ -250,25 +257,26 @@ void VectorSimulationImpl::call_named(std::size_t environment, const std::functi
 
 void VectorSimulationImpl::step(Environments stepped, const std::function<void(Simulation&)>& make_frame) {
   check(stepped);
-  std::vector<bool> steps(environments.size());
-  for (const std::size_t i : stepped) steps[i] = true;
+  // Bytes, because several threads write them.
+  std::vector<std::uint8_t> steps(environments.size()), unmade(environments.size());
+  for (const std::size_t i : stepped) steps[i] = 1;
   for (VectorOutput& each : outputs) begin_rows(each);
   const Failures failures = for_each(all, [&](std::size_t i) {
     std::exception_ptr failure;
     try {
       for (const VectorOutput& each : outputs) check_output(i, each);
-      if (steps[i]) make_frame(*environments[i]);
+      if (steps[i] != 0) make_frame(*environments[i]);
     } catch (...) {
       failure = std::current_exception();
+      unmade[i] = steps[i] != 0 && !is_of_consumer(failure) ? 1 : 0;
     }
-    for (VectorOutput& each : outputs) {
-      failure && !fits(i, each) ? write_nothing(each, i) : collect(i, each);
-    }
+    const std::exception_ptr misfit = collect_outputs(i);
     if (failure) std::rethrow_exception(failure);
+    if (misfit) std::rethrow_exception(misfit);
   });
   failed.clear();
   for (const std::size_t i : all) {
-    if (steps[i] && failures[i] && !is_of_consumer(failures[i])) failed.push_back(i);
+    if (unmade[i] != 0) failed.push_back(i);
   }
   throw_any(failures);
 }
@@ -297,19 +305,35 @@ void VectorSimulationImpl::check_output(std::size_t environment, const VectorOut
                    to_string(output.output.shape));
 }
 
-bool VectorSimulationImpl::fits(std::size_t environment, const VectorOutput& output) const {
+std::exception_ptr VectorSimulationImpl::misfit_of(std::size_t environment, const VectorOutput& output) const {
   try {
     check_output(environment, output);
-  } catch (const InputError&) {
-    return false;
+  } catch (...) {
+    return std::current_exception();
   }
-  return true;
+  return nullptr;
+}
+
+// After the frame too, because clients may change the scene at its start.
+std::exception_ptr VectorSimulationImpl::collect_outputs(std::size_t environment) {
+  std::exception_ptr first;
+  for (VectorOutput& each : outputs) {
+    const std::exception_ptr found = misfit_of(environment, each);
+    if (found) {
+      write_nothing(each, environment);
+    } else {
+      collect(environment, each);
+    }
+    if (!first) first = found;
+  }
+  return first;
 }
 
 void VectorSimulationImpl::collect(std::size_t environment, VectorOutput& output) const {
   const SimulationUse use = environments[environment]->impl();
   const MeasuredArray& array = *array_of(use->sensors.measurement(output.sensor), output.output.name);
   const OutputShape& shape = output.output.shape;
+  SIMVIS_ASSERT(array.count() == 0 || has_numbers_of(array.shape, shape));
   std::visit(
       [&]<typename Number>(SharedArray<Number>& numbers) {
         const std::span<Number> row = row_of(numbers, shape, environment);

@@ -41,22 +41,28 @@ struct VectorSimulationImpl {
   Simulation& at(std::size_t index) const;
   /// Throws InputError for one that is not there or comes twice.
   void check(Environments environments) const;
-  /// Calls `work(i)` for each of these environments, on all threads, and returns which calls have failed.
-  Failures for_each(Environments environments, const std::function<void(std::size_t)>& work) const;
+  /// Calls `work(i)` for each of these environments, on all threads, and returns which calls have failed. Calls
+  /// `after`, if given, after each that has not, in its thread; an exception that it throws ends the work, and is
+  /// thrown.
+  Failures for_each(Environments environments, const std::function<void(std::size_t)>& work,
+                    const std::function<void()>& after = {}) const;
   /// Throws the first failure, and says which environments have failed.
   static void throw_any(const Failures& failures);
   /// Calls `work`, which is about one environment; the message of its error says which.
   static void call_named(std::size_t environment, const std::function<void()>& work);
 
   /// Calls `make_frame` for these environments, and collects the outputs of all. An environment that does not give an
-  /// output in its shape makes no frame, and its row there shows nothing.
+  /// output in its shape makes no frame, or has made it if the scene was changed within the frame. Its row there shows
+  /// nothing.
   void step(Environments stepped, const std::function<void(Simulation&)>& make_frame);
   const VectorOutput& output(std::string_view sensor, std::string_view output);
   /// Throws InputError if an environment, whose scene may have been changed, does not give the output in its shape.
   void check_output(std::size_t environment, const VectorOutput& output) const;
-  /// Whether check_output() throws no InputError.
-  bool fits(std::size_t environment, const VectorOutput& output) const;
-  /// Writes the row of one environment.
+  /// What check_output() throws; null: nothing.
+  std::exception_ptr misfit_of(std::size_t environment, const VectorOutput& output) const;
+  /// Writes the rows of one environment, and returns the first misfit.
+  std::exception_ptr collect_outputs(std::size_t environment);
+  /// Writes the row of one environment, which fits.
   void collect(std::size_t environment, VectorOutput& output) const;
 
   ProcessUse process;

@@ -25,14 +25,16 @@ struct VectorSimulationImpl;
 /// got the same calls, whatever the numbers of environments and of threads are.
 ///
 /// Sharing   the environments share what none of them changes, as all simulations of a process do: meshes, textures,
-///           trees for rays, pipelines and the device. Each has its own scene graph, parameters, bodies and sensors.
+///           pictures of the sky, trees for rays, pipelines and the device. Each has its own scene graph, parameters,
+///           bodies and sensors.
 /// Work      SimulationDesc::threads threads take one environment after the other, and each works alone on its
 ///           environment. With fewer environments than threads, they share the work within one too.
 /// Errors    as Simulation. An error of an environment ends with "(environment 7)"; those of environment 0 in load()
 ///           are errors of the scene, and do not. If environments fail in a step, all others make their frame first,
-///           and failed() lists those that did not: their frame counts as not made, they keep what they have measured
-///           last, and they can be stepped again alone, restored or reloaded. After an OutletError of an environment
-///           its frame counts as made. Other functions change nothing if they throw, except where they say otherwise.
+///           and failed() lists those that did not: their frame counts as not made, each of their sensors holds a
+///           complete measurement, its last one or that of this frame, and they can be stepped again alone, restored or
+///           reloaded. After an OutletError of an environment its frame counts as made. Other functions change nothing
+///           if they throw, except where they say otherwise.
 /// Lifetime  returned references are valid as long as the vector, also after it is moved. A vector that was moved from
 ///           may only be assigned to or destroyed; other calls throw InputError.
 /// Threads   one thread at a time, which may be any thread.
@@ -69,7 +71,8 @@ class SIMVIS_API VectorSimulation {
   /// sensor's first colour image; colours have three channels here. The first call collects what the environments have
   /// measured last, and from then on each step does so. Throws InputError: no such sensor or output, the number of
   /// its rows varies, or an environment whose scene was changed gives another shape. A step throws the last one too:
-  /// the row of this environment is then NaN or 0, and its frame is not made.
+  /// the row of this environment is then NaN or 0. Its frame is not made, unless a request of a client changed the
+  /// scene at the start of this frame.
   const VectorOutput& output(std::string_view sensor, std::string_view output);
 
   /// Makes one frame of each environment, as Simulation::step().

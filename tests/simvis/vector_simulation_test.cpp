@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <numeric>
 #include <set>
 #include <span>
@@ -15,9 +16,11 @@
 
 #include <simvis/vector_simulation.h>
 #include "engine/base/srgb.h"
+#include "simvis/vector_simulation_impl.h"
 #include "tests/support/error_of.h"
 #include "tests/support/every_sensor.h"
 #include "tests/support/sensor_bytes.h"
+#include "tests/support/sky_files.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -114,6 +117,16 @@ int check_environments(const std::string& xml, const std::filesystem::path& fold
   }
   return compared;
 }
+
+// While it exists, no environment but the first can be loaded.
+struct RefusedEnvironments {
+  RefusedEnvironments() {
+    call_environments_by([](const std::function<void()>&) { throw InputError("refused"); });
+  }
+  ~RefusedEnvironments() {
+    call_environments_by([](const std::function<void()>& work) { work(); });
+  }
+};
 
 }  // namespace
 
@@ -265,6 +278,13 @@ TEST_CASE("an environment without an output has nothing there, makes no frame, a
   CHECK(vector.environment(0)->last_frame()->index == 2);
 }
 
+TEST_CASE("if environments cannot be loaded, the error names all of them, whatever the number of threads is") {
+  const RefusedEnvironments refused;
+  for (const unsigned threads : {1u, 2u, 8u}) {
+    CHECK(error_of([&] { room(threads); }) == "refused (environment 1; these have failed too: 2)");
+  }
+}
+
 TEST_CASE("errors of single environments name them: in load, set and get") {
   const TemporaryFolder folder;
   write_text(folder / "wall.obj", "v 1 0 0\nv 1 1 0\nv 1 0 1\nf 1 2 3\n");
@@ -361,6 +381,32 @@ TEST_CASE("meshes are there once") {
   const DrawList& first = vector.environment(0)->diagnostics().draw_list();
   REQUIRE(!first.meshes.empty());
   for (const std::size_t i : kAll) CHECK(vector.environment(i)->diagnostics().draw_list().meshes == first.meshes);
+}
+
+TEST_CASE("pictures of the sky are there once, from whatever files they come") {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& name, float radiance) {
+    write_text(folder / name, sky_exr(sky_picture(4, [&](auto, auto) { return glm::vec3(radiance); })));
+  };
+  write("day.exr", 1);
+  write("copy.exr", 1);
+  write("night.exr", 0.5f);
+  const auto load = [&](const std::string& name) {
+    return VectorSimulation::from_string(
+        "<s><element type='sky_light' name='SKY' insert_at='ROOT' picture='" + name + "'/></s>", kCount, desc_with(2),
+        folder.path());
+  };
+  const VectorSimulation day = load("day.exr"), copy = load("copy.exr"), night = load("night.exr");
+  const auto sky = [](const VectorSimulation& vector, std::size_t i) {
+    return vector.environment(i)->diagnostics().draw_list().sky.picture;
+  };
+  REQUIRE(sky(day, 0) != nullptr);
+  for (const std::size_t i : kAll) {
+    CHECK(sky(day, i) == sky(day, 0));
+    CHECK(sky(copy, i) == sky(day, 0));
+    CHECK(sky(night, i) == sky(night, 0));
+  }
+  CHECK(sky(night, 0) != sky(day, 0));
 }
 
 TEST_CASE("mistakes with environments and outputs") {
