@@ -1,12 +1,19 @@
 #include "elements/sky_light.h"
 
+#include <bit>
+#include <cstring>
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <numbers>
+#include <unordered_map>
+#include <utility>
 
 #include "elements/lamp.h"
 #include "elements/sky_regions.h"
 #include "engine/base/even_points.h"
+#include "engine/base/fnv1a.h"
 #include "engine/base/read_error.h"
 #include "engine/draw/sky_sphere.h"
 #include "scenegraph/error_word.h"
@@ -59,6 +66,41 @@ SkyPicture read_picture(const ElementContext& context, const std::string& name) 
   }
 }
 
+// The shift mixes the high bits into the low ones, as the low bits of most numbers are 0.
+std::uint64_t hash_of_picture(const SkyPicture& picture) {
+  std::uint64_t hash = fnv1a_step(kFnv1aStart, picture.width);
+  for (const glm::vec3& radiance : picture.radiance) {
+    for (const float number : {radiance.r, radiance.g, radiance.b}) {
+      hash = fnv1a_step(hash, std::bit_cast<std::uint32_t>(number));
+      hash ^= hash >> 29;
+    }
+  }
+  return hash;
+}
+
+bool same_pictures(const SkyPicture& a, const SkyPicture& b) {
+  static_assert(sizeof(glm::vec3) == 3 * sizeof(float));  // no padding
+  return a.width == b.width && a.height == b.height && a.radiance.size() == b.radiance.size() &&
+         std::memcmp(a.radiance.data(), b.radiance.data(), a.radiance.size() * sizeof(glm::vec3)) == 0;
+}
+
+// The picture of this content that lives in the process, so that simulations of one sky hold it once; else this one.
+std::shared_ptr<const SkyPicture> shared_picture(SkyPicture&& picture) {
+  static std::mutex mutex;
+  static std::unordered_multimap<std::uint64_t, std::weak_ptr<const SkyPicture>> pictures;
+  const std::uint64_t key = hash_of_picture(picture);
+  const std::lock_guard lock(mutex);
+  std::erase_if(pictures, [](const auto& entry) { return entry.second.expired(); });
+  const auto [first, last] = pictures.equal_range(key);
+  for (auto entry = first; entry != last; ++entry) {
+    std::shared_ptr<const SkyPicture> known = entry->second.lock();
+    if (known && same_pictures(*known, picture)) return known;
+  }
+  auto added = std::make_shared<const SkyPicture>(std::move(picture));
+  pictures.emplace(key, added);
+  return added;
+}
+
 }  // namespace
 
 SkyLightElement::SkyLightElement(const ElementContext& context)
@@ -87,7 +129,7 @@ void SkyLightElement::add_even_lights() {
 }
 
 void SkyLightElement::add_picture(const ElementContext& context) {
-  const auto picture = std::make_shared<const SkyPicture>(read_picture(context, desc_.picture));
+  const std::shared_ptr<const SkyPicture> picture = shared_picture(read_picture(context, desc_.picture));
   sky_ = std::make_shared<SkyNode>(picture, glm::vec3(mean_radiance(*picture)));
   const std::vector<SkyRegion> regions = cut_sky(*picture, desc_.points);
   for (std::uint32_t i = 0; i < regions.size(); ++i) {

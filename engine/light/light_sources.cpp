@@ -66,7 +66,7 @@ void LightSources::set(const DrawList& list, const std::vector<std::shared_ptr<c
   if (!list.sky.picture) {
     sky_.reset();
   } else if (!sky_ || sky_->picture() != list.sky.picture) {
-    sky_.emplace(list.sky.picture);
+    sky_ = shared_sky_sampler(list.sky.picture);
   }
   sky_from_view_ = glm::transpose(turn_of(view_from(list.sky.transform)));
   lamps_.clear();

@@ -16,7 +16,6 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <simvis/draw_list.h>
@@ -84,7 +83,7 @@ class LightSources {
   const std::vector<std::shared_ptr<const Material>>* materials_ = nullptr;
   glm::dmat4 world_from_view_{1.0};
   glm::dmat3 sky_from_view_{1.0};
-  std::optional<SkySampler> sky_;
+  std::shared_ptr<const SkySampler> sky_;
   glm::dvec3 sky_share_{0};  // of the picture's radiance that lights surfaces; 0: it only is seen
   glm::dvec3 ambient_{0};    // with skies of the same radiance everywhere
   std::vector<Lamp> lamps_;

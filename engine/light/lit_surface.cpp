@@ -49,9 +49,10 @@ TrianglePoint triangle_point(const Mesh& mesh, const glm::dmat4& world_from_mesh
   return point;
 }
 
+// A mask compares in float32, as rays do (surface_alpha()).
 double covered_by_alpha(const Material& material, double alpha) {
   if (material.alpha_mode == AlphaMode::blend) return std::clamp(alpha, 0.0, 1.0) * material.opacity;
-  const bool kept = material.alpha_mode == AlphaMode::opaque || alpha >= static_cast<double>(material.alpha_cutoff);
+  const bool kept = material.alpha_mode == AlphaMode::opaque || static_cast<float>(alpha) >= material.alpha_cutoff;
   return kept ? static_cast<double>(material.opacity) : 0;
 }
 

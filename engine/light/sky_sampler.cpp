@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
+#include <unordered_map>
 #include <utility>
 
 #include "engine/draw/luminance.h"
@@ -51,6 +53,18 @@ glm::dvec3 SkySampler::sample(const glm::dvec3& random) const {
 double SkySampler::density(const glm::dvec3& direction) const {
   const glm::dvec3 radiance = this->radiance(direction);
   return shines() ? luminance(radiance) / sums_.back() : 0;
+}
+
+// A sampler keeps its picture, so that the address of a picture names no other one while the sampler lives.
+std::shared_ptr<const SkySampler> shared_sky_sampler(const std::shared_ptr<const SkyPicture>& picture) {
+  static std::mutex mutex;
+  static std::unordered_map<const SkyPicture*, std::weak_ptr<const SkySampler>> samplers;
+  const std::lock_guard lock(mutex);
+  std::erase_if(samplers, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const SkySampler>& known = samplers[picture.get()];
+  std::shared_ptr<const SkySampler> sampler = known.lock();
+  if (!sampler) known = sampler = std::make_shared<const SkySampler>(picture);
+  return sampler;
 }
 
 }  // namespace simvis

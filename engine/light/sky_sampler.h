@@ -34,4 +34,8 @@ class SkySampler {
   std::vector<double> sums_;  // of luminance x solid angle, of all pixels up to this one
 };
 
+/// The sampler of this picture that lives in the process, else a new one: simulations of one sky share its sums.
+/// Threads  any; samplers are only read.
+std::shared_ptr<const SkySampler> shared_sky_sampler(const std::shared_ptr<const SkyPicture>& picture);
+
 }  // namespace simvis

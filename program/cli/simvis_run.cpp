@@ -176,7 +176,7 @@ void list_costs(const Options& options) {
   if (lights) light_csv.write(to_csv(all_light_costs));
   if (options.quiet) return;
   std::cout << "on " << device.info().name
-            << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves") << "\n\n";
+            << (trajectory ? "" : "; no parameter is set: --trajectory prices what moves") << "\n\n";
   for (const ScannerCosts& costs : all_costs) std::cout << to_table(costs) << '\n';
   if (scanners) std::cout << cost_legend();
   for (const CameraCosts& costs : all_camera_costs) std::cout << (scanners ? "\n" : "") << to_table(costs) << '\n';

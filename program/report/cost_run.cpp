@@ -1,6 +1,5 @@
 #include "program/report/cost_run.h"
 
-#include <chrono>
 #include <cstdlib>
 #include <ctime>
 #include <limits>
@@ -26,8 +25,12 @@ std::string cost_title(const std::string& sensor, std::uint64_t frames, double l
          " at the start\n";
 }
 
-CostRun::CostRun(Simulation simulation, const CostDesc& desc)
-    : simulation_(std::move(simulation)), desc_(desc), clock_(desc.rate_hz), load_(load_of_last_minute()) {
+CostRun::CostRun(Simulation simulation, const CostDesc& desc, std::optional<std::chrono::nanoseconds> apart)
+    : simulation_(std::move(simulation)),
+      desc_(desc),
+      apart_(apart),
+      clock_(desc.rate_hz),
+      load_(load_of_last_minute()) {
   for (const SensorInfo& sensor : simulation_.sensors()) simulation_.enable(sensor.name, false);
 }
 
@@ -62,7 +65,11 @@ FrameTimes CostRun::step(std::uint64_t frame) {
   }
   const SteadyClock::time_point start = SteadyClock::now();
   const std::clock_t processor_start = std::clock();
-  simulation_.step();
+  if (apart_) {
+    simulation_.step(*apart_);
+  } else {
+    simulation_.step();
+  }
   const FrameTimes times{std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count(),
                          1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC};
   ++frames_done_;

@@ -1,7 +1,9 @@
 // Times frames in which one sensor measures alone, for lists of costs.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,8 +42,8 @@ std::string cost_title(const std::string& sensor, std::uint64_t frames, double l
 /// `desc` must live as long as the object.
 class CostRun {
  public:
-  /// Turns all sensors off.
-  CostRun(Simulation simulation, const CostDesc& desc);
+  /// Turns all sensors off. Frames are `apart`, if given, else at the simulation's rate.
+  CostRun(Simulation simulation, const CostDesc& desc, std::optional<std::chrono::nanoseconds> apart = {});
 
   Simulation& simulation() { return simulation_; }
   /// The processes that ran or waited for a processor when the object was made, as the mean of a minute; NaN: unknown.
@@ -66,6 +68,7 @@ class CostRun {
 
   Simulation simulation_;
   const CostDesc& desc_;
+  std::optional<std::chrono::nanoseconds> apart_;
   Clock clock_;
   double load_;
   std::uint64_t frames_done_ = 0, all_frames_ = 0;

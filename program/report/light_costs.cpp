@@ -1,6 +1,7 @@
 #include "program/report/light_costs.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -19,6 +20,8 @@ namespace {
 // Independent pictures of the converged one, and their samples. Their noise averages out over the pixels.
 constexpr std::uint32_t kReferences = 4, kReferenceSamples = 8;
 constexpr const char* kMsaa = "4";
+// Frames of the list: what moves with up to 1000 m/s moves by a micrometre in each.
+constexpr std::chrono::nanoseconds kApart{1};
 constexpr std::pair<DrawnLight, const char*> kDrawnLights[] = {{DrawnLight::plain, "drawn"},
                                                                {DrawnLight::shadows, "with shadows"},
                                                                {DrawnLight::sizes, "with area lights"},
@@ -157,7 +160,7 @@ namespace {
 class LightCostRun {
  public:
   LightCostRun(Simulation simulation, const CostDesc& desc)
-      : cameras_(costed_lights(simulation)), desc_(desc), run_(std::move(simulation), desc_) {
+      : cameras_(costed_lights(simulation)), desc_(desc), run_(std::move(simulation), desc_, kApart) {
     for (const std::string& camera : cameras_) add(camera);
   }
 

@@ -4,6 +4,8 @@
 // Drawn      The scene's lamps without shadows, each as one light; with shadows; with their sizes; and with ambient
 //            light and skies as distant lights that things block. Lights that a scene has no use for have no row.
 // Paths      light="path" with 1, 4, 16 and 64 samples, of the scene as it is.
+// Moment     Frames are a nanosecond apart, so that all pictures show one moment of what moves by itself. Only values
+//            that elements of type randomize draw differ from frame to frame.
 // Compared   All take the picture of the camera's lens, without its other effects. Large images are reduced, see
 //            listed_camera(): the paths of the list are 118 for each pixel.
 // Error      The root mean square over pixels and linear R, G and B of the difference from the converged picture, the

@@ -61,7 +61,8 @@ void PixelEstimate::decide() {
     const std::vector<double> variances =
         means_of_tiles([&](std::uint32_t pixel) { return deviations[pixel] / (kPilotSamples - 1.0); });
     for (std::size_t tile = 0; tile < tiles_; ++tile) {
-      const double wanted = std::ceil(variances[tile] / (kParts * *noise_ * *noise_));
+      // One division after the other: the square of a tiny noise is 0.
+      const double wanted = std::ceil(variances[tile] / kParts / *noise_ / *noise_);
       std::uint32_t& samples = parts_[part].samples[tile];
       samples = static_cast<std::uint32_t>(std::clamp(wanted, double{kPilotSamples}, double{kMaxOfPart}));
       end_ = std::max(end_, kParts * samples);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -47,6 +48,16 @@ Image noisy_image(double value, double deviation, std::uint32_t seed) {
     pixels.push_back(static_cast<float>(value + deviation * random.gaussian(0, i, 0)));
   }
   return image;
+}
+
+// The error of paths is their noise: half of it with four times as many, within that of the estimates.
+void check_noise_of_paths(const std::vector<LightVariantCosts>& rows) {
+  const std::size_t count = std::size(kCostedSamples);
+  REQUIRE(rows.size() > count);
+  for (std::size_t i = rows.size() - count; i + 1 < rows.size(); ++i) {
+    const double expected = rows[i].error.rms / 2, off = rows[i + 1].error.rms - expected;
+    CHECK(std::abs(off) < 0.15 * expected + 5 * (rows[i].error.uncertainty + rows[i + 1].error.uncertainty));
+  }
 }
 
 }  // namespace
@@ -103,11 +114,23 @@ TEST_CASE("the list of light has rows for what the scene offers, and paths whose
   CHECK(rows[1].error.rms < rows[0].error.rms);
   CHECK(rows[3].error.rms < rows[2].error.rms);
   CHECK(rows[4].error.rms < rows[3].error.rms);
-  // The error of paths is their noise: half of it with four times as many, within that of the estimates.
-  for (std::size_t i = 5; i < 8; ++i) {
-    const double expected = rows[i].error.rms / 2, off = rows[i + 1].error.rms - expected;
-    CHECK(std::abs(off) < 0.15 * expected + 5 * (rows[i].error.uncertainty + rows[i + 1].error.uncertainty));
-  }
+  check_noise_of_paths(rows);
+}
+
+TEST_CASE("all pictures of the list of light show one moment, while bodies move by themselves") {
+  std::string moving(kLitBox);
+  moving.insert(moving.find("</scene>"),
+                "<element type=\"physics\" name=\"PHYSICS\" insert_at=\"ROOT\" gravity=\"0 0 0\"/>"
+                "<element type=\"body\" name=\"BODY\" insert_at=\"BOX\" mass=\"1\" velocity=\"0 3 0\"/>");
+  Simulation simulation = Simulation::from_string(moving);
+  simulation.step();
+  simulation.step();
+  CHECK(simulation.get("BODY", "y") > 0.1);  // 0.2 m in a frame
+  const std::vector<LightCosts> all =
+      light_costs(Simulation::from_string(moving), {.frames = 2, .warm_up = 0, .on_frame = {}});
+  REQUIRE(all.size() == 1);
+  REQUIRE(all[0].variants.size() == 9);
+  check_noise_of_paths(all[0].variants);
 }
 
 // The numbers of an attribute of a camera with these attributes, as the list has it.

@@ -3,13 +3,15 @@
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <simvis/diagnostics.h>
 #include <simvis/simulation.h>
-#include "sensors/camera/moved_world.h"
+#include "engine/base/thread_pool.h"
+#include "tests/light/path_stage.h"
 #include "tests/support/error_of.h"
 #include "tests/support/sky_files.h"
 #include "tests/support/splat_file.h"
@@ -118,11 +120,17 @@ TEST_CASE("a pixel at the edge of a fisheye has the light of the part of its squ
 }
 
 TEST_CASE("paths through surfaces that cover half use as many threads as all others") {
-  MovedWorld world;
-  const DrawList nothing;
-  world.set(nothing);
-  world.place({}, 1);
-  CHECK(world.caster().threads() == 1);
+  constexpr unsigned kThreads = 3;
+  const std::shared_ptr<ThreadPool> pool = shared_thread_pool(kThreads);
+  PathStage stage;
+  stage.caster = make_host_ray_caster({}, kThreads);
+  Material half = matte(0.5);
+  half.opacity = 0.5f;
+  stage.add(rectangle_mesh({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), half);
+  const long users = pool.use_count();
+  Camera paths("C", path_camera(1, 1));
+  stage.take(paths, looking({0, 0, 1}, {0, 0, 0}));
+  CHECK(pool.use_count() > users);  // the camera has a caster of its own, whose pool is this one
 }
 
 // The message about a camera with these attributes in the third line of a scene.
@@ -202,6 +210,19 @@ TEST_CASE("several pictures of the sky are refused, and one is not") {
   CHECK(refusal(small, sky("DAY"), folder.path()) == "nothing was thrown");
 }
 
+std::vector<double> array_numbers(const Measurement& of, const char* name) {
+  std::vector<double> all;
+  const MeasuredArray& array = *of.find(name);
+  for (std::size_t i = 0; i < array.count(); ++i) all.push_back(array.number(i));
+  return all;
+}
+
+void check_same_picture(const Measurement& one, const Measurement& other) {
+  for (const char* const name : {"color", "color_stddev"}) {
+    CHECK(array_numbers(one, name) == array_numbers(other, name));
+  }
+}
+
 // A room whose far half is dark, so that its tiles need no more than the pilot.
 TEST_CASE(
     "with noise, tiles take the samples that they need, for any number of threads, and a report says what they reach") {
@@ -218,17 +239,7 @@ TEST_CASE(
   };
   const Simulation once = run(1, "noise='0.004'");
   const Measurement measured = once.measurement("C");
-  const auto numbers = [](const Measurement& of, const char* name) {
-    std::vector<double> all;
-    const MeasuredArray& array = *of.find(name);
-    for (std::size_t i = 0; i < array.count(); ++i) all.push_back(array.number(i));
-    return all;
-  };
-  for (const unsigned threads : {2u, 5u}) {
-    const Simulation other = run(threads, "noise='0.004'");
-    CHECK(numbers(other.measurement("C"), "color") == numbers(measured, "color"));
-    CHECK(numbers(other.measurement("C"), "color_stddev") == numbers(measured, "color_stddev"));
-  }
+  for (const unsigned threads : {2u, 5u}) check_same_picture(run(threads, "noise='0.004'").measurement("C"), measured);
   const SensorInfo info = once.sensors().front();
   CHECK(contains(info.report.explanation, "paths of C: "));
   CHECK(contains(info.report.explanation, " of 6 tiles are above 0.004\n"));
@@ -236,9 +247,31 @@ TEST_CASE(
   CHECK(*info.number("max_path_samples") > *info.number("path_samples"));
   CHECK(*info.number("max_path_noise") < 1.5 * 0.004);
   double square = 0;
-  for (const double deviation : numbers(measured, "color_stddev")) square += deviation * deviation;
+  for (const double deviation : array_numbers(measured, "color_stddev")) square += deviation * deviation;
   CHECK(std::sqrt(square / (3 * 48 * 32)) == doctest::Approx(*info.number("path_noise")).epsilon(1e-5));
   CHECK(run(1, "samples='2'").sensors().front().report.explanation.empty());
+}
+
+TEST_CASE("with noise, rows that a moving camera takes one after the other are the same for any number of threads") {
+  const auto run = [](unsigned threads) {
+    SimulationDesc desc;
+    desc.threads = threads;
+    Simulation simulation = Simulation::from_string(
+        "<simvis>" + kRoom +
+            "<part name='CARRIER' insert_at='ROOT'/><element type='pose' name='MOVE' insert_at='CARRIER'/>"
+            "<sensor type='camera' name='C' insert_at='CARRIER' pose_offset='0 0 1 0 10 0' width='32' height='16' "
+            "light='path' bounces='1' noise='0.01' exposure_time='0.01' row_time='0.001' "
+            "outputs='color color_stddev'/></simvis>",
+        desc);
+    for (const double y_m : {0.0, 0.3}) {
+      simulation.set("MOVE", "y", y_m);
+      simulation.step();
+    }
+    return simulation;
+  };
+  const Simulation once = run(1);
+  CHECK(*once.sensors().front().number("max_path_samples") > 18);
+  for (const unsigned threads : {2u, 5u}) check_same_picture(run(threads).measurement("C"), once.measurement("C"));
 }
 
 TEST_CASE("a scene with a path camera that is off costs what it costs without it") {

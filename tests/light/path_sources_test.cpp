@@ -6,8 +6,10 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <simvis/simulation.h>
+#include "engine/light/sky_sampler.h"
 #include "tests/light/path_stage.h"
 #include "tests/support/sky_files.h"
 #include "tests/support/temporary_folder.h"
@@ -183,6 +185,18 @@ struct OnePixelSky {
   double low_rad() const { return high_rad() - kPi / kHeight_px; }
 };
 
+TEST_CASE("the sums of a picture of the sky are there once while they are used") {
+  const auto day = std::make_shared<const SkyPicture>(sky_picture(2, [](auto, auto) { return glm::vec3(1); }));
+  const auto night = std::make_shared<const SkyPicture>(*day);
+  std::shared_ptr<const SkySampler> sampler = shared_sky_sampler(day);
+  CHECK(sampler->picture() == day);
+  CHECK(shared_sky_sampler(day) == sampler);
+  CHECK(shared_sky_sampler(night) != sampler);
+  const std::weak_ptr<const SkySampler> held = std::exchange(sampler, nullptr);
+  CHECK(held.expired());
+  CHECK(shared_sky_sampler(day)->picture() == day);
+}
+
 TEST_CASE("a sky with one bright pixel lights a matte floor by the integral of the cosine") {
   for (const double share : {1.0, 0.25}) {
     PathStage stage;
@@ -247,6 +261,30 @@ glm::dvec3 floor_in_scene(const std::string& elements, glm::dvec3& stddev, const
     stddev[static_cast<glm::length_t>(c)] = measured.find("color_stddev")->number(c);
   }
   return mean;
+}
+
+// A sphere of the radius R whose middle is at the height d has the form factor (R / d)^2 with a plane below it. No
+// samples find it, as it is no triangles.
+TEST_CASE("an exact sphere that shines lights a floor by its form factor, and by what it covers of both sides") {
+  constexpr double kRadiance = 4, kRadius_m = 0.5, kHeight_m = 2;
+  const double share = std::pow(kRadius_m / kHeight_m, 2);
+  const auto seen = [](const std::string& more, glm::dvec3& stddev) {
+    return floor_in_scene(
+        "<element type='light' name='OFF' insert_at='ROOT' kind='point' z='5' intensity='0'/>"
+        "<part name='BALL' insert_at='ROOT' shape='sphere' radius='0.5' color='0 0 0' pose_offset='0 0 2 0 0 0'/>"
+        "<element type='material' name='SHINE' insert_at='ROOT' part='BALL' emission_red='4' " +
+            more + "/>",
+        stddev);
+  };
+  glm::dvec3 stddev(0);
+  const glm::dvec3 solid = seen("", stddev);
+  CHECK(agree(solid.x, kRadiance * share, stddev.x, kStored));
+  // One of 16 paths hits it: a mean of 1/16 has the deviation sqrt(1/16 x 15/16 / 4000) = 0.004, times the radiance.
+  CHECK(stddev.x < 0.02);
+  // Half of the paths that meet the sphere see its front, and half of the others its back.
+  const glm::dvec3 half = seen("opacity='0.5'", stddev);
+  CHECK(agree(half.x, kRadiance * share * 0.75, stddev.x, kStored));
+  CHECK(stddev.x < 0.02);
 }
 
 TEST_CASE("elements of lamps and skies are these sources, however many lights stand for them") {

@@ -157,12 +157,14 @@ TEST_CASE("a surface that emits lights others by the share that it covers") {
   CHECK(agree(seen.mean.x, half.mean.x, std::hypot(seen.stddev.x, half.stddev.x), kMapped));
 }
 
+// 101 / 255 is below the cutoff and 103 / 255 above it. 102 / 255 = 0.4 is the cutoff as float32, which is above 0.4.
 TEST_CASE("the removed texels of a mask let the eye and the lamp through, at a cutoff that they do not reach") {
+  constexpr float kCutoff = 0.4f;
+  static_assert(102 / 255.0 < static_cast<double>(kCutoff) && static_cast<float>(102 / 255.0) == kCutoff);
   Material leaf = matte(0);
   leaf.alpha_mode = AlphaMode::mask;
-  leaf.alpha_cutoff = 0.4f;
+  leaf.alpha_cutoff = kCutoff;
   leaf.double_sided = true;
-  leaf.base_color_texture = two_texels({255, 255, 255, 101}, {255, 255, 255, 103});  // 0.396 and 0.404
   const auto seen = [&](const glm::dvec3& leaf_m, bool is_there) {
     PathStage stage;
     stage.add(rectangle_mesh({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}), matte(0.5));
@@ -174,10 +176,26 @@ TEST_CASE("the removed texels of a mask let the eye and the lamp through, at a c
   };
   const double open = seen({0, 0, 0}, false);
   CHECK(open > 0);
-  CHECK(seen({1, 0, 1.5}, true) == open);     // the lamp through the left texel
-  CHECK(seen({-1, 0, 1.5}, true) == 0);       // the right one blocks it
-  CHECK(seen({-3.5, 0, 0.5}, true) == open);  // the eye, 4.5 m from the floor's point, through the left texel
-  CHECK(seen({-5.5, 0, 0.5}, true) == 0);
+  for (const std::uint8_t kept : {std::uint8_t{102}, std::uint8_t{103}}) {
+    CAPTURE(kept);
+    leaf.base_color_texture = two_texels({255, 255, 255, 101}, {255, 255, 255, kept});
+    CHECK(seen({1, 0, 1.5}, true) == open);     // the lamp through the left texel
+    CHECK(seen({-1, 0, 1.5}, true) == 0);       // the right one blocks it
+    CHECK(seen({-3.5, 0, 0.5}, true) == open);  // the eye, 4.5 m from the floor's point, through the left texel
+    CHECK(seen({-5.5, 0, 0.5}, true) == 0);
+  }
+}
+
+TEST_CASE("a texel of a mask at the cutoff emits, and lights others") {
+  Material sign = lamp(2);
+  sign.alpha_mode = AlphaMode::mask;
+  sign.alpha_cutoff = 0.4f;
+  sign.base_color_texture = two_texels({255, 255, 255, 101}, {255, 255, 255, 102});
+  CHECK(seen_at(sign, kPlaces[1]) == 2);
+  const SeenRadiance seen = floor_below(floor_with_uv(), sign);
+  const SeenRadiance half = floor_below(rectangle_mesh({0, -2, 0}, {2, 0, 0}, {0, 4, 0}), lamp(2));
+  CHECK(half.mean.x > 0.05);
+  CHECK(agree(seen.mean.x, half.mean.x, std::hypot(seen.stddev.x, half.stddev.x), kMapped));
 }
 
 }  // namespace

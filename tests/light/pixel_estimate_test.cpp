@@ -110,6 +110,28 @@ TEST_CASE("each tile takes as many samples as its error needs, at least the pilo
   CHECK(reached.samples > kPilots);
 }
 
+TEST_CASE("a noise whose square is 0 needs the pilot where samples are equal, and the most where they are not") {
+  constexpr double kNoise = 1e-200;
+  static_assert(kNoise * kNoise == 0);
+  PixelEstimate estimate(kTile_px + 1, 1, 0, kNoise);  // two tiles
+  std::vector<std::uint32_t> taken(kTile_px + 1, 0);
+  fill(estimate, kTile_px + 1, [&](std::uint32_t sample, std::uint32_t pixel) {
+    ++taken[pixel];
+    return pixel == kTile_px ? sample % 2 : 1.0;
+  });
+  for (std::uint32_t pixel = 0; pixel < kTile_px; ++pixel) {
+    CHECK(taken[pixel] == kPilots);
+    CHECK(estimate.mean(pixel).x == 1);
+    CHECK(estimate.variance(pixel).x == 0);
+  }
+  constexpr std::uint32_t kMost = PixelEstimate::kMaxSamples / PixelEstimate::kParts * PixelEstimate::kParts;
+  CHECK(taken[kTile_px] == kMost);
+  const ReachedNoise reached = estimate.reached();
+  CHECK(reached.max_samples == kMost);
+  CHECK(reached.tiles_above == 1);
+  CHECK(std::isfinite(reached.error));
+}
+
 TEST_CASE("without noise each pixel takes the number that is given, and has the mean and the variance of all") {
   PixelEstimate estimate(2, 1, 5, {});
   fill(estimate, 2, [](std::uint32_t sample, std::uint32_t pixel) { return pixel == 0 ? sample : 1.0; });

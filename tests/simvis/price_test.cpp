@@ -419,7 +419,7 @@ TEST_CASE("simvis-run --price prints tables, and writes price.csv if --out is gi
   CHECK(quiet.exit_code == 0);
   CHECK(quiet.out == "");
   const ProcessResult standing = run({scene.scene.string(), "--price", "--frames", "1"});
-  CHECK(contains(standing.out, "the scene stands still"));
+  CHECK(contains(standing.out, "; no parameter is set: --trajectory prices what moves"));
 }
 
 TEST_CASE("simvis-run --price with contradictory options") {
