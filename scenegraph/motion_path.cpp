@@ -88,15 +88,18 @@ double extrapolation(const MotionPath& path, double share) {
   return std::max(1.0, (first.end - share) / (first.end - first.begin));
 }
 
-double rounded_length_m(const MotionPath& path, const glm::dvec3& point_m) {
+double rounded_length_m(const MotionPath& path, const glm::dvec3& point_m, double parts) {
+  constexpr double kMaxMove = 2;  // a turn moves a point by at most twice its distance
   double longest_m = 0;
   for (const MotionPiece& piece : path.pieces) {
+    const double times = &piece == &path.pieces.front() ? parts : 1;
     double moved_m = glm::length(piece.until_end.way_m);
     double length_m = piece.end < 0 ? moved_m + glm::distance(point_m, piece.point_m) : 0;
     for (const ScrewMotion& joint : piece.joints) {
-      const double from_point_m = glm::distance(point_m, joint.point_m) + moved_m, way_m = glm::length(joint.way_m);
+      const double from_point_m = glm::distance(point_m, joint.point_m) + moved_m;
+      const double way_m = times * glm::length(joint.way_m), turn_rad = times * glm::length(joint.turn_rad);
       length_m += from_point_m + way_m;
-      moved_m += way_m + glm::length(joint.turn_rad) * from_point_m;
+      moved_m += way_m + std::min(turn_rad, kMaxMove) * from_point_m;
     }
     longest_m = std::max(longest_m, length_m);
   }

@@ -30,7 +30,8 @@ std::size_t displacements(const MotionPath& path);
 double extrapolation(const MotionPath& path, double share);
 
 /// Bounds the lengths that round in displacement() of a point: distances from the points of the displacements, and
-/// their ways.
-double rounded_length_m(const MotionPath& path, const glm::dvec3& point_m);
+/// their ways. `parts` is the extrapolation(): ways and turns of the first piece are multiplied by it, and so are the
+/// distances to which they move the point.
+double rounded_length_m(const MotionPath& path, const glm::dvec3& point_m, double parts);
 
 }  // namespace simvis

@@ -4,8 +4,9 @@
 // cy). A model of lenses gives (x'', y''), the place, in focal lengths from the principal point. The models are in
 // effects/camera/lenses/, each with its formula and source.
 //
-// Each lens is one to one from the optical axis outwards up to a fold, where a larger angle no longer gives a larger
-// distance from the principal point. Only directions before the fold are used.
+// Each lens is one to one from the optical axis outwards up to a fold, an angle from the axis behind which a larger
+// angle no longer gives a larger distance from the principal point, in some direction around the axis at least. Only
+// directions before the fold are used.
 //
 // To add a model, add a file to effects/camera/lenses/ with its LensType, and declare that in lens_types.cpp. The
 // attributes of all sensors with a lens, --describe, calibrations, messages and files follow.
@@ -84,8 +85,10 @@ class Lens {
   /// Whether pixel() may be called for the direction.
   bool shows(const glm::dvec3& direction) const { return model_->shows(direction); }
 
-  /// The direction that a pixel shows, a unit vector; pixel() of it gives this pixel to 1e-9 pixels. Zero if the
-  /// direction is more than kFisheyeLimit_rad off the axis. Empty if the pixel lies beyond the fold.
+  /// The direction that a pixel shows, a unit vector; pixel() of it gives this pixel to 1e-9 pixels, and to the
+  /// rounding of the direction where it hardly changes from pixel to pixel: near the fold of ftheta_backward and the
+  /// pole of a rational_polynomial. Zero if the direction is more than kFisheyeLimit_rad off the axis. Empty if the
+  /// pixel lies beyond the fold.
   std::optional<glm::dvec3> direction(const glm::dvec2& pixel) const;
 
  private:

@@ -28,8 +28,9 @@ class SeenPath {
         axes_from_world_(glm::transpose(world_from_axes_)),
         world_origin_m_(world_from_mesh[3]),
         origin_m_(axes_from_world_ * (world_origin_m_ - glm::dvec3(world_from_sensor[3]))),
-        error_rad_(kMovedError * static_cast<double>(displacements(path))),
-        error_m_(kMovedError * (rounded_length_m(path, world_origin_m_) + glm::length(origin_m_))) {}
+        error_rad_(kMovedError * static_cast<double>(displacements(path))) {
+    look_back(0);
+  }
 
   /// The item's origin, sensor frame.
   const glm::dvec3& origin_m() const { return origin_m_; }
@@ -41,9 +42,8 @@ class SeenPath {
     MovedItems::Seen seen{.ray = ray, .ray_from_seen = then_.turn};
     seen.ray.origin_m = origin_m_ + back * (from_origin - then_.way_m);
     seen.ray.direction = glm::normalize(back * ray.direction);
-    const double parts = extrapolation(path_, -ray.back);
-    seen.ray.origin_error_m += parts * (error_m_ + error_rad_ * glm::length(from_origin));
-    seen.ray.error_rad += parts * error_rad_;
+    seen.ray.origin_error_m += parts_ * (error_m_ + error_rad_ * glm::length(from_origin));
+    seen.ray.error_rad += parts_ * error_rad_;
     return seen;
   }
 
@@ -51,6 +51,8 @@ class SeenPath {
   // Rays that left together stand side by side.
   void look_back(double back) {
     back_ = back;
+    parts_ = extrapolation(path_, -back);
+    error_m_ = kMovedError * (rounded_length_m(path_, world_origin_m_, parts_) + glm::length(origin_m_));
     const Displacement world = displacement(path_, -back, world_origin_m_);
     then_ = {axes_from_world_ * world.turn * world_from_axes_, axes_from_world_ * world.way_m};
   }
@@ -58,8 +60,9 @@ class SeenPath {
   const MotionPath& path_;
   glm::dmat3 world_from_axes_, axes_from_world_;
   glm::dvec3 world_origin_m_, origin_m_;
-  double error_rad_, error_m_;
-  double back_ = 0;  // of then_
+  double error_rad_;
+  // What follows is that of look_back().
+  double back_ = 0, parts_ = 1, error_m_ = 0;
   Displacement then_{};
 };
 

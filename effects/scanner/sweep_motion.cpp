@@ -77,7 +77,6 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
       context.path != nullptr ? MotionPath{} : path_between(context.before->world_from_sensor, now);
   const MotionPath& path = context.path != nullptr ? *context.path : screw;
   const double error_rad = kDirectionError * static_cast<double>(displacements(path));
-  const double error_m = kOriginError * rounded_length_m(path, glm::dvec3(now[3]));
   for (BeamRay& ray : rays) {
     ray.back = times_.age_s(context, ray.beam) / interval_s;
     Displacement then = displacement(path, -ray.back, glm::dvec3(now[3]));
@@ -86,7 +85,7 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
     const glm::dvec3 start_m = ray.origin_m;
     ray.error_rad = error_rad * parts;
     ray.origin_m = then.way_m;
-    ray.origin_error_m = error_m * parts;
+    ray.origin_error_m = kOriginError * parts * rounded_length_m(path, glm::dvec3(now[3]), parts);
     if (start_m != glm::dvec3(0)) {
       ray.origin_m += then.turn * start_m;
       ray.origin_error_m += ray.error_rad * glm::length(start_m) + kSumError * glm::length(ray.origin_m);

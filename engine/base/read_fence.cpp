@@ -170,19 +170,30 @@ SharedPlaces find_shared_places(const fs::path& home_by_variable) {
   return places;
 }
 
-// The working directory and the variables of the environment, on which the shared folders depend.
+// The device and the inode of a folder; 0: nothing is there.
+using FolderNumbers = std::pair<dev_t, ino_t>;
+
+FolderNumbers numbers_of_folder(const char* name) {
+  struct stat status = {};
+  return ::stat(name, &status) == 0 ? FolderNumbers(status.st_dev, status.st_ino) : FolderNumbers();
+}
+
+// The working directory, the variables of the environment, and the folders to which they lead, on which the shared
+// folders depend: links on the way may be moved. Those on the way to the folders of the system are root's.
 struct PlaceInputs {
   std::string working_directory;
   std::vector<std::string> variables;
+  std::vector<FolderNumbers> folders;
   bool operator==(const PlaceInputs&) const = default;
 };
 
 PlaceInputs place_inputs() {
   std::error_code error;
-  PlaceInputs inputs{.working_directory = fs::current_path(error).string(), .variables = {}};
+  PlaceInputs inputs{.working_directory = fs::current_path(error).string(), .variables = {}, .folders = {}};
   for (const char* const name : {"HOME", "TMPDIR", "TMP", "TEMP", "TEMPDIR"}) {
     const char* const value = std::getenv(name);
     inputs.variables.emplace_back(value == nullptr ? "" : value);
+    if (value != nullptr) inputs.folders.push_back(numbers_of_folder(value));
   }
   return inputs;
 }

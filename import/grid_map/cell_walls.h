@@ -18,10 +18,14 @@ inline constexpr std::size_t kMaxGridCells = std::size_t{1} << 28;
 /// The largest number of cells after rows along x are filled up to whole words of 64 cells. They take 128 MB.
 inline constexpr std::size_t kMaxFilledCells = 4 * kMaxGridCells;
 
+/// The largest number of cells along an axis, far above that of an OctoMap, 65536: cell_walls() keeps a number for
+/// each.
+inline constexpr std::size_t kMaxAxisCells = std::size_t{1} << 20;
+
 /// Cells of a regular grid; z is up. A map has one layer.
 class CellGrid {
  public:
-  /// No cell is occupied. `size` is within the limits of kMaxGridCells and kMaxFilledCells.
+  /// No cell is occupied. `size` is within kMaxGridCells, kMaxFilledCells and kMaxAxisCells.
   explicit CellGrid(const glm::uvec3& size)
       : size_(size),
         row_words_((size.x + kWordBits - 1) / kWordBits),

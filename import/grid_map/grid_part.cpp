@@ -1,5 +1,6 @@
 #include "import/grid_map/grid_part.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -20,6 +21,9 @@ void check_grid_size(const std::filesystem::path& file, const char* what, const 
   };
   if (cells.x * cells.y * cells.z > static_cast<double>(kMaxGridCells)) {
     refuse(std::to_string(kMaxGridCells) + " in all");
+  }
+  if (std::max({cells.x, cells.y, cells.z}) > static_cast<double>(kMaxAxisCells)) {
+    refuse(std::to_string(kMaxAxisCells) + " along an axis");
   }
   constexpr double kWord = CellGrid::kWordBits;
   if (kWord * std::ceil(cells.x / kWord) * cells.y * cells.z > static_cast<double>(kMaxFilledCells)) {

@@ -13,8 +13,9 @@ namespace simvis {
 /// Sizes of a cell that files may have.
 inline constexpr double kMinCell_m = 1e-6, kMaxCell_m = 1e6;
 
-/// Throws InputError naming the file if a grid of this size would have more than kMaxGridCells cells, or filled up more
-/// than kMaxFilledCells. `what` says which cells these are, such as "its occupied cells span".
+/// Throws InputError naming the file if a grid of this size would have more than kMaxGridCells cells, filled up more
+/// than kMaxFilledCells, or more than kMaxAxisCells along an axis. `what` says which cells these are, such as "its
+/// occupied cells span".
 void check_grid_size(const std::filesystem::path& file, const char* what, const glm::dvec3& cells);
 
 /// The cells of a grid, and where they stand.

@@ -26,8 +26,8 @@
 namespace simvis {
 namespace {
 
-constexpr glm::dvec2 kMapHeights_m(0.1, 1);  // above the floor, and as high as small robots
-constexpr double kMinResolution_m = 1e-4;
+constexpr glm::dvec2 kMapHeights_m(0.1, 1);                        // above the floor, and as high as small robots
+constexpr double kMinResolution_m = 1e-4, kMaxResolution_m = 1e6;  // part files have no larger cells
 
 [[noreturn]] void refuse(const char* option, const std::string& text, const char* expected) {
   throw InputError(std::string(option) + ": " + in_quotes(text) + " is not allowed, expected " + expected);
@@ -47,9 +47,9 @@ std::vector<double> coordinates(const char* option, const std::string& text, std
 
 MapDesc map_desc(const Options& options, MapFormat format) {
   MapDesc desc{.resolution_m = options.export_resolution_m, .is_flat = format == MapFormat::ros_map};
-  if (desc.resolution_m < kMinResolution_m) {
-    throw InputError("--export-resolution: " + format_number(desc.resolution_m) +
-                     " is not allowed, expected at least " + format_number(kMinResolution_m) + " m");
+  if (!(desc.resolution_m >= kMinResolution_m && desc.resolution_m <= kMaxResolution_m)) {
+    throw InputError("--export-resolution: " + format_number(desc.resolution_m) + " is not allowed, expected from " +
+                     format_number(kMinResolution_m) + " to " + format_number(kMaxResolution_m) + " m");
   }
   if (desc.is_flat) desc.heights_m = kMapHeights_m;
   if (!options.export_heights.empty()) {
@@ -76,8 +76,11 @@ MapDesc map_desc(const Options& options, MapFormat format) {
 // Throws InputError if a file of the map has the name of a camera's calibration in the folder of results.
 void require_free_names(const Options& options, MapFormat format, const Simulation& simulation) {
   if (!options.writes) return;
+  // Empty below a link that leads to itself, where no file can be made.
   const auto resolved = [](const std::filesystem::path& path) {
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+    std::error_code error;
+    std::filesystem::path canonical = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
+    return error ? std::filesystem::path() : canonical;
   };
   const std::filesystem::path folder = resolved(options.out);
   for (const std::filesystem::path& file : files_of_map(options.export_file, format)) {

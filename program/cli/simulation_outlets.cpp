@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "program/cli/load_scene.h"
@@ -61,7 +62,8 @@ std::filesystem::path with_folder(const std::filesystem::path& file) {
 void require_replaceable(const Options& options) {
   if (!options.no_replace) return;
   const auto require = [](const char* option, const std::filesystem::path& file) {
-    if (file.empty() || !std::filesystem::exists(file)) return;
+    std::error_code error;  // of a link that leads to itself, below which nothing can be
+    if (file.empty() || !std::filesystem::exists(file, error)) return;
     in_option(option,
               [&] { throw InputError(file.string() + " exists, and --no-replace is given, expected another file"); });
   };

@@ -8,8 +8,11 @@ namespace simvis {
 
 NewFolders::NewFolders(const std::filesystem::path& folder) {
   std::error_code error;
-  for (std::filesystem::path each = folder; !each.empty() && !std::filesystem::exists(each, error);
-       each = each.parent_path()) {
+  // A link that leads nowhere is there too.
+  const auto is_there = [&](const std::filesystem::path& name) {
+    return std::filesystem::exists(std::filesystem::symlink_status(name, error));
+  };
+  for (std::filesystem::path each = folder; !each.empty() && !is_there(each); each = each.parent_path()) {
     made_.push_back(each);
   }
   try {

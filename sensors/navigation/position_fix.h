@@ -34,10 +34,12 @@ struct PositionFix {
 };
 
 /// The largest dilution of a fix. An eigenvalue of the sum rounds by about n 2^-53, so directions that lie on a cone or
-/// in a plane, which give no place, have dilutions of 10^7 and more.
+/// in a plane, which give no place, have dilutions of 10^7 and more. Only two different directions give no place
+/// either, but two eigenvalues that are both rounding: their dilution can be any.
 inline constexpr double kMaxPdop = 1e3;
 
-/// Empty: there are fewer than four, or the dilution of their place is above kMaxPdop.
+/// Empty: there are fewer than four, the dilution of their place is above kMaxPdop, or the determinant of the sum is no
+/// more than its rounding.
 std::optional<PositionFix> fix_position(std::span<const Pseudorange> pseudoranges);
 
 }  // namespace simvis

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <string>
 #include <string_view>
 
 #include "engine/base/words.h"
@@ -51,6 +52,11 @@ void read_satellites(SatellitesDesc& desc, const AttributeValues& attributes) {
     desc.list.push_back(direction_of(glm::radians(azimuth_deg), glm::radians(elevation_deg)));
   }
   if (desc.list.empty()) refuse(desc.satellites);
+  if (desc.list.size() > kMaxSatellites) {
+    fail_at(attributes.where(kName), "attribute \"satellites\": " + std::to_string(desc.list.size()) +
+                                         " satellites are too many, expected at most " +
+                                         std::to_string(kMaxSatellites));
+  }
 }
 
 /// In the frame of the earth: x to longitude 0 on the equator, z to the north pole.

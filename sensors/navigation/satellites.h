@@ -13,6 +13,7 @@
 //          the scene.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -25,6 +26,9 @@
 #include "sensors/navigation/geodetic_origin.h"
 
 namespace simvis {
+
+/// The largest number of directions of a list. Each may have a reflected signal at each wall of some hundreds.
+inline constexpr std::size_t kMaxSatellites = 1024;
 
 struct SatellitesDesc {
   std::string satellites = "none";
@@ -40,8 +44,9 @@ struct SatellitesDesc {
 /// The condition of rows that have no effect without satellites.
 inline constexpr std::string_view kWithSatellites = "with satellites=\"gps\" or their directions";
 
-/// Reading them throws InputError at `satellites` for a word that is neither a system nor a direction, and at an
-/// attribute that has no effect: constellation_time without the GPS constellation, and all others without satellites.
+/// Reading them throws InputError at `satellites` for a word that is neither a system nor a direction and for more
+/// than kMaxSatellites directions, and at an attribute that has no effect: constellation_time without the GPS
+/// constellation, and all others without satellites.
 AttributeRows<SatellitesDesc> satellites_rows();
 
 /// A satellite above the horizon.

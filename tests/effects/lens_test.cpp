@@ -144,6 +144,63 @@ TEST_CASE("an image ends where its lens folds") {
   CHECK_FALSE(folded.direction({322.75 + 250 * 0.87, 236.5}));
 }
 
+// The largest angle from the axis that the lens shows in this direction around it.
+double end_rad(const Lens& lens, double around_rad) {
+  double shown = 0, beyond = std::numbers::pi / 2;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = (shown + beyond) / 2;
+    (lens.shows(at_angle(middle, around_rad)) ? shown : beyond) = middle;
+  }
+  return shown;
+}
+
+TEST_CASE("a tangential lens ends where it first folds in a direction around the axis") {
+  // At x = 0, y'' = y + k1 y^3 + 3 p1 y^2 turns where 1 + 3 k1 y^2 + 6 p1 y = 0: nearest to the axis on the side of
+  // negative y, as p1 is positive.
+  const double k1 = -0.3, p1 = 0.01;
+  const double turns_at = (-6 * p1 + std::sqrt(36 * p1 * p1 - 12 * k1)) / (-6 * k1);
+  const Lens lens = test::made(brown_conrady(k1, 0, 0, p1, 0));
+  // Somewhat earlier: the determinant may be less between two directions that are looked at, by 1.1 % of its range.
+  // That is 0.09 around the fold, and the determinant falls by 1.3 with each tangent.
+  constexpr double kEarlier = 1.1e-2 * 0.09 / 1.3;
+  const double end = end_rad(lens, 0);
+  CHECK(end < std::atan(turns_at));
+  CHECK(end > std::atan(turns_at - kEarlier));
+  for (int i = 1; i < 16; ++i) {
+    CHECK(std::abs(end_rad(lens, i * std::numbers::pi / 8) - end) <= 8 * 0x1p-53);  // rounding of two angles
+  }
+}
+
+TEST_CASE("the inverse finds every direction that a lens shows") {
+  // The first one has a strip of falling radii between rising ones, where its radial part is almost flat. The second
+  // one has a pole, near which a pixel is less than the rounding of a tangent.
+  std::vector<MadeLens> models = kModels;
+  models.push_back(brown_conrady(-0.39444, -0.059524, 0.074521, 0.0011737, -0.0079929));
+  models.push_back(rational({0, 0, 1e-3, -2e-3, 0, -0.5, 0, 0}));
+  const SensorRandom random(4, "shown directions");
+  // The inverse leaves 1e-12 focal lengths. At a thousandth before the fold the slope is at least 1e-4.
+  constexpr double kBeforeFold = 0.999, kDirection = 1e-12 / 1e-4;
+  for (const MadeLens& model : models) {
+    CAPTURE(model.model);
+    CAPTURE(model.coefficients[0]);
+    const Lens lens = test::made(model);
+    const double end = is_wide(model) ? 1.9 : kBeforeFold * end_rad(lens, 0);
+    int shown = 0, missed = 0;
+    double worst = 0;
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+      const glm::dvec3 direction = at_angle(end * random.uniform(i, 0, 0), 6.28 * random.uniform(i, 0, 1));
+      if (!lens.shows(direction)) continue;
+      ++shown;
+      const std::optional<glm::dvec3> found = lens.direction(lens.pixel(direction));
+      missed += !found;
+      if (found) worst = std::max(worst, glm::length(*found - direction));
+    }
+    CHECK(shown > kPoints / 2);
+    CHECK(missed == 0);
+    CHECK(worst <= kDirection);
+  }
+}
+
 TEST_CASE("a rational lens ends at the pole of its divisor, and a tilted one where its sensor is edge-on") {
   // 1 - r^2 / 2 is 0 at r = sqrt(2). Radii grow without bound before it, so that each pixel has a ray.
   const Lens pole = test::made(rational({0, 0, 0, 0, 0, -0.5, 0, 0}));

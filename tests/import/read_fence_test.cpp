@@ -167,6 +167,25 @@ TEST_CASE("a relative folder for temporary files starts at the present working d
   }
 }
 
+TEST_CASE("a folder that is shared by a link is the one to which the link leads now") {
+  const TemporaryFolder folder;
+  for (const char* const name : {"first", "second"}) fs::create_directories(folder / name / "model");
+  const fs::path link = folder / "link";
+  for (const char* const variable : {"TMPDIR", "HOME"}) {
+    CAPTURE(variable);
+    const ChangedSurroundings surroundings(variable);
+    surroundings.set(link);
+    for (const auto& [here, elsewhere] : {std::pair("first", "second"), {"second", "first"}}) {
+      fs::remove(link);
+      fs::create_directory_symlink(folder / here, link);
+      CHECK(is_shared_folder(folder / here));
+      CHECK_FALSE(is_shared_folder(folder / elsewhere));
+      const ReadFence fence(folders_of_part(folder / here / "model/part.obj"));
+      CHECK_FALSE(is_readable(folder / here / "x.png"));
+    }
+  }
+}
+
 TEST_CASE("symbolic links count where they lead, except those into a package") {
   const FencedPart part;
   fs::create_symlink(part / "ws/secret.png", part / "ws/robot/meshes/leak.png");

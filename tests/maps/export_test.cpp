@@ -116,7 +116,10 @@ TEST_CASE("options of maps that are wrong are refused before anything is written
   exports.refuse("a.npz", {"--export-start", "0,0"},
                  "--export-start: \"0,0\" is not allowed, expected X,Y,Z in metres");
   exports.refuse("a.npz", {"--export-resolution", "1e-5"},
-                 "--export-resolution: 1e-05 is not allowed, expected at least 1e-04 m");
+                 "--export-resolution: 1e-05 is not allowed, expected from 1e-04 to 1000000 m");
+  for (const std::string size : {"1000001", "1e300"}) {
+    exports.refuse("a.npz", {"--export-resolution", size}, " is not allowed, expected from 1e-04 to 1000000 m");
+  }
   exports.refuse("a.npz", {"--export-resolution", "0"}, "--export-resolution");
   exports.refuse(
       "a.glb", {"--export-heights", "0,1"},
@@ -173,6 +176,21 @@ TEST_CASE("a map does not take the name of a calibration") {
   exports.refuse("out/../out/CAM_left.yaml", {}, "is reserved for the calibration of sensor \"CAM\"");
   CHECK(exports.run("CAM.yaml").exit_code == 0);
   CHECK(exports.run("out/CAM_map.yaml").exit_code == 0);
+}
+
+TEST_CASE("a map below a link that leads to itself or to nothing is refused, and the link stays") {
+  const Exports exports;
+  fs::create_symlink("loop", exports.folder / "loop");
+  fs::create_symlink("nowhere", exports.folder / "gone");
+  for (const std::string link : {"loop", "gone"}) {
+    CAPTURE(link);
+    for (const Strings& more : {Strings{}, {"--no-replace"}}) {
+      const ProcessResult result = exports.run(link + "/deep/map.yaml", more);
+      CHECK(result.exit_code == 1);
+      CHECK(contains(result.err, link + "/deep: error: the folder cannot be created"));
+      CHECK(fs::is_symlink(exports.folder / link));
+    }
+  }
 }
 
 TEST_CASE("files of an earlier map stay with --no-replace, the picture too") {

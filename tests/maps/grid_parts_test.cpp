@@ -258,14 +258,21 @@ TEST_CASE("archives that hold no voxel grid are refused with the array") {
                  "array \"cells\" has 1 bytes, expected 2"));
   CHECK(contains(message(npz(array("|b1", "False", "(9999, 9999, 9999)", "\1"), number(1))),
                  "has 9999 x 9999 x 9999 cells, expected at most"));
+  // 2^20 cells along an axis are allowed.
+  CHECK(contains(message(npz(array("|b1", "False", "(1, 1048576, 1)", "\1"), number(1))),
+                 "array \"cells\" has 1 bytes, expected 1048576"));
+  for (const std::string shape : {"(1048577, 1, 1)", "(1, 1048577, 1)", "(1, 1, 1048577)", "(268435456, 1, 1)"}) {
+    CHECK(contains(message(npz(array("|b1", "False", shape, "\1"), number(1))),
+                   "cells, expected at most 1048576 along an axis"));
+  }
   CHECK(contains(message(npz(array("|b1", "False", "(a, 1, 1)", "\1"), number(1))), "has a shape that cannot be read"));
   for (const std::string shape : {"(0, 4294967295, 4294967295)", "(1, 0, 1)", "(4294967297, 4294967297, 0)"}) {
     CAPTURE(shape);
     CHECK(contains(message(npz(array("|b1", "False", shape, ""), number(1))),
                    "array \"cells\" has an axis without cells, expected at least one cell along x, y and z"));
   }
-  CHECK(contains(message(npz(array("|b1", "False", "(1, 16777217, 1)", "\1"), number(1))),
-                 "has 1 x 16777217 x 1 cells, expected at most 1073741824 after rows along x are filled up to a "
+  CHECK(contains(message(npz(array("|b1", "False", "(1, 1048576, 17)", "\1"), number(1))),
+                 "has 1 x 1048576 x 17 cells, expected at most 1073741824 after rows along x are filled up to a "
                  "multiple of 64"));
   CHECK(contains(message(npz(array("|b1", "False", "(1, 1, 1)", std::string(1, '\0')), number(1))),
                  "has no occupied cell"));

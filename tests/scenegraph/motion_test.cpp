@@ -106,6 +106,34 @@ TEST_CASE("shares before the first piece multiply its screws by as many of its l
   CHECK(extrapolation(MotionPath{}, -3) == 1);
 }
 
+TEST_CASE("lengths that round grow with the distance to which an extrapolated piece moves a point") {
+  // A slide along x, then a turn about z through the origin. The errors of the turn count at the end of the slide.
+  constexpr double kTurn_rad = 1e-2, kTurnError_rad = 0x1p-40;  // far above the rounding of the path
+  const glm::dvec3 point_m(0, 2, 0);
+  for (const double piece : {0.5, 0.125, 0x1p-7, 0x1p-10}) {
+    for (const double share : {-1.0, -2.0, -3.0}) {
+      CAPTURE(piece);
+      CAPTURE(share);
+      const auto path = [&](double turn_rad) {
+        MotionPath made;
+        made.pieces = {
+            {.begin = -1, .end = piece - 1, .joints = {{.way_m = {1, 0, 0}}, {.turn_rad = {0, 0, turn_rad}}}},
+            {.begin = piece - 1, .end = 0}};
+        return made;
+      };
+      const double parts = extrapolation(path(kTurn_rad), share);
+      CHECK(parts == (piece - 1 - share) / piece);  // powers of two are exact
+      const double arm_m = std::hypot(parts, 2);
+      const double moved_m = error(displacement(path(kTurn_rad + kTurnError_rad), share, point_m).way_m,
+                                   displacement(path(kTurn_rad), share, point_m).way_m);
+      CHECK(moved_m == doctest::Approx(parts * kTurnError_rad * arm_m).epsilon(1e-2));
+      const double bound_m = rounded_length_m(path(kTurn_rad), point_m, parts);
+      CHECK(moved_m <= parts * kTurnError_rad * bound_m);
+      CHECK(bound_m <= 4 * (arm_m + 2));  // two distances and a way
+    }
+  }
+}
+
 TEST_CASE("free fall: the acceleration is exact, the velocity is the mean of the last step") {
   const glm::dvec3 gravity(0, 0, -9.80665);
   PoseHistory history;

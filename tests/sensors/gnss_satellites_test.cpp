@@ -277,6 +277,36 @@ TEST_CASE("three satellites, satellites on a cone and in a plane give no fix") {
   CHECK_FALSE(fix_position(plane));
 }
 
+TEST_CASE("satellites in two directions, several in each, give no fix") {
+  // Two eigenvalues of the sum are 0. Where both are rounding, the dilution of their quotients can be below 1.
+  const SensorRandom random(4, "directions");
+  constexpr std::uint32_t kPairs = 1000;
+  std::uint32_t fixes = 0, skies = 0;
+  for (std::uint32_t i = 0; i < kPairs; ++i) {
+    const auto direction = [&](std::uint32_t draw) {
+      return SkyPoint{std::floor(360 * random.uniform(i, 0, draw)), std::floor(90 * random.uniform(i, 1, draw))}
+          .along();
+    };
+    for (std::size_t first = 2; first <= 5; ++first) {
+      for (std::size_t second = 2; second <= 5; ++second) {
+        std::vector<Pseudorange> sky(first, {direction(0), 1});
+        sky.insert(sky.end(), second, {direction(1), 1});
+        fixes += fix_position(sky).has_value();
+        ++skies;
+      }
+    }
+  }
+  CHECK(skies == 16 * kPairs);
+  CHECK(fixes == 0);
+  // A third direction beside them gives none, a fourth one does.
+  std::vector<Pseudorange> sky(5, {SkyPoint{290, 10}.along(), 1});
+  sky.push_back({SkyPoint{110, 37}.along(), 1});
+  sky.push_back({SkyPoint{200, 60}.along(), 1});
+  CHECK_FALSE(fix_position(sky));
+  sky.push_back({SkyPoint{20, 80}.along(), 1});
+  CHECK(fix_position(sky));
+}
+
 // From the reference slots by rotations, in the frame of the earth.
 glm::dvec3 slot_m(double node_deg, double argument_deg, double time_s) {
   const double turn_rad_s = std::sqrt(3.986005e14 / std::pow(26559700.0, 3));
@@ -530,6 +560,14 @@ TEST_CASE("wrong attributes are errors that say where and what is allowed") {
     CHECK(contains(message, "\"satellites\""));
   }
   CHECK(contains(error("satellites='0:30 90:x'"), "\"90:x\" is not allowed, expected none, gps, or AZIMUTH:ELEVATION"));
+  const auto many = [](std::size_t count) {
+    std::string list;
+    for (std::size_t i = 0; i < count; ++i) list += "0:30 ";
+    return "satellites='" + list + "'";
+  };
+  CHECK(error(many(kMaxSatellites)) == "nothing was thrown");
+  CHECK(contains(error(many(kMaxSatellites + 1)),
+                 "attribute \"satellites\": 1025 satellites are too many, expected at most 1024"));
   for (const std::string name : {"elevation_mask", "reflection", "constellation_time", "max_pdop", "pseudorange_stddev",
                                  "pseudorange_bias_mean"}) {
     CAPTURE(name);

@@ -171,6 +171,11 @@ TEST_CASE("new folders go if they are empty, with the parents that were made for
   CHECK(fs::exists(folder / "a/b"));
   write_text(folder / "text", "x");
   CHECK(contains(machine_error_of([&] { NewFolders(folder / "text/x/y"); }), "the folder cannot be created"));
+  for (const char* const link : {"itself", "nothing"}) {
+    fs::create_symlink(link == std::string("itself") ? "itself" : "missing", folder / link);
+    CHECK(contains(machine_error_of([&] { NewFolders(folder / link / "x"); }), "the folder cannot be created"));
+    CHECK(fs::is_symlink(folder / link));
+  }
 }
 
 // The file that a recording would replace is looked at first; if that fails it is kept.

@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "effects/camera/lenses/radial_lens.h"
 
@@ -60,9 +62,19 @@ using Coefficients = std::array<double, kAll>;
 // Largest angle from the axis; its tangent is 1e4.
 constexpr double kPinholeLimit_rad = std::numbers::pi / 2 - 1e-4;
 
-// In focal lengths: 1e-9 pixels at a focal length of 1000 pixels. Rounding errors are a thousandth of it.
-constexpr double kResidual = 1e-12;
+// In focal lengths: 1e-9 pixels at a focal length of 1000 pixels. Rounding errors are a thousandth of it, but for those
+// of tangents near a pole of the divisor, where slopes multiply them: as a share of the tangents in u = 2^-53, of
+// themselves, their square, its three products and the divisor.
+constexpr double kResidual = 1e-12, kTangentError = 6 * 0x1p-53;
 constexpr int kMaxSteps = 200;
+
+// Directions around the axis in which the Jacobian is looked at, and rings of them up to the fold of the radial part.
+constexpr int kAzimuths = 64, kRings = 1024;
+
+// Between two of the azimuths the determinant of the symmetric part of the Jacobian is less than its least value there
+// by at most this share of its range: it is a trigonometric polynomial of third degree in the azimuth, so that its
+// second derivative is at most 9 times half its range (Bernstein), half a step from the minimum. Twice that.
+constexpr double kBetweenAzimuths = 9 * (std::numbers::pi / kAzimuths) * (std::numbers::pi / kAzimuths) / 2;
 
 // The quotient of two polynomials of the square of the tangent of the angle from the axis.
 struct RadialQuotient {
@@ -104,16 +116,18 @@ class PerspectiveLens : public LensModel {
         radial_{{k[kK1], k[kK2], k[kK3]}, {k[kK4], k[kK5], k[kK6]}},
         radius_([radial = radial_](double angle_rad) { return radial.radius(std::tan(angle_rad)); },
                 [radial = radial_](double angle_rad) { return radial.radius_slope(std::tan(angle_rad)); },
-                kPinholeLimit_rad) {
+                kPinholeLimit_rad),
+        fold_rad_(is_round() ? radius_.fold()
+                             : end_of([this](double angle_rad) { return is_one_to_one_at(angle_rad); }, radius_.fold(),
+                                      kRings)) {
     if (k[kTauX] == 0 && k[kTauY] == 0) return;
     tilt_ = tilt_of(k[kTauX], k[kTauY]);
   }
 
   bool shows(const glm::dvec3& direction) const override {
     if (!(direction.z > 0)) return false;
-    if (!(std::atan2(std::hypot(direction.x, direction.y), direction.z) < radius_.fold())) return false;
-    const glm::dvec2 tangents = glm::dvec2(direction) / direction.z;
-    return glm::determinant(jacobian(tangents)) > 0 && (!tilt_ || (*tilt_ * glm::dvec3(distorted(tangents), 1)).z > 0);
+    if (!(std::atan2(std::hypot(direction.x, direction.y), direction.z) < fold_rad_)) return false;
+    return !tilt_ || (*tilt_ * glm::dvec3(distorted(glm::dvec2(direction) / direction.z), 1)).z > 0;
   }
 
   glm::dvec2 place(const glm::dvec3& direction) const override {
@@ -135,9 +149,14 @@ class PerspectiveLens : public LensModel {
     return glm::normalize(glm::dvec3(*tangents, 1));
   }
 
-  double reach() const override { return radius_(radius_.fold()); }
+  double reach() const override { return radius_(fold_rad_); }
 
  private:
+  // Whether the lens without the tilt has the radial part alone.
+  bool is_round() const {
+    return std::ranges::all_of(std::array{kP1, kP2, kS1, kS2, kS3, kS4}, [&](std::size_t i) { return k_[i] == 0; });
+  }
+  bool is_one_to_one_at(double angle_rad) const;
   glm::dvec2 distorted(const glm::dvec2& tangents) const;
   glm::dmat2 jacobian(const glm::dvec2& tangents) const;
   std::optional<glm::dvec2> undistorted(const glm::dvec2& target) const;
@@ -145,7 +164,8 @@ class PerspectiveLens : public LensModel {
 
   Coefficients k_;
   RadialQuotient radial_;
-  RisingFunction radius_;             // of the angle, without the tangential part, thin prism and tilt
+  RisingFunction radius_;  // of the angle, without the tangential part, thin prism and tilt
+  double fold_rad_;
   std::optional<glm::dmat3> tilt_{};  // empty: none
 };
 
@@ -168,9 +188,26 @@ glm::dmat2 PerspectiveLens::jacobian(const glm::dvec2& tangents) const {
           glm::dvec2(across, s + y * y * ds + 6 * p1 * y + 2 * p2 * x) + y * prism};
 }
 
+// The lens is one to one in a disc about the axis in which the symmetric part of the Jacobian is positive definite:
+// with the points, their places then move in directions less than 90 degrees apart. On the axis it is the unit matrix,
+// and where it ceases to be positive definite its determinant is 0.
+bool PerspectiveLens::is_one_to_one_at(double angle_rad) const {
+  const double tangent = std::tan(angle_rad);
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (int i = 0; i < kAzimuths; ++i) {
+    const double around_rad = 2 * std::numbers::pi * i / kAzimuths;
+    const glm::dmat2 slopes = jacobian(tangent * glm::dvec2(std::cos(around_rad), std::sin(around_rad)));
+    const double across = (slopes[0][1] + slopes[1][0]) / 2;
+    const double determinant = slopes[0][0] * slopes[1][1] - across * across;
+    least = std::min(least, determinant);
+    most = std::max(most, determinant);
+  }
+  return least > kBetweenAzimuths * (most - least);
+}
+
 // Starts near the target, where most lenses leave it, else from the inverse of the radial part.
 std::optional<glm::dvec2> PerspectiveLens::undistorted(const glm::dvec2& target) const {
-  const double farthest = std::tan(radius_.fold()), length = std::max(glm::length(target), 1e-300);
+  const double farthest = std::tan(fold_rad_), length = std::max(glm::length(target), 1e-300);
   const std::optional<glm::dvec2> found = undistorted_from(target * std::min(1.0, 0.9 * farthest / length), target);
   const std::optional<double> angle_rad = found ? std::nullopt : radius_.inverse(length);
   return angle_rad ? undistorted_from(target / length * std::tan(*angle_rad), target) : found;
@@ -179,7 +216,7 @@ std::optional<glm::dvec2> PerspectiveLens::undistorted(const glm::dvec2& target)
 // Newton's method. A step is shortened until it reduces the error and stays before the fold. It ends where no step
 // does, so that its error is rounding.
 std::optional<glm::dvec2> PerspectiveLens::undistorted_from(glm::dvec2 tangents, const glm::dvec2& target) const {
-  const double farthest = std::tan(radius_.fold());
+  const double farthest = std::tan(fold_rad_);
   glm::dvec2 off = distorted(tangents) - target;
   for (int i = 0; i < kMaxSteps && glm::length(off) > 0; ++i) {
     const glm::dvec2 step = glm::inverse(jacobian(tangents)) * off;
@@ -194,8 +231,10 @@ std::optional<glm::dvec2> PerspectiveLens::undistorted_from(glm::dvec2 tangents,
     }
     if (!nearer) break;
   }
-  const bool found = glm::length(off) <= kResidual && glm::determinant(jacobian(tangents)) > 0;
-  return found ? std::optional(tangents) : std::nullopt;
+  const glm::dmat2 slopes = jacobian(tangents);
+  const double steepest = std::hypot(glm::length(slopes[0]), glm::length(slopes[1]));
+  const double rounding = kTangentError * glm::length(tangents) * steepest;
+  return glm::length(off) <= kResidual + rounding ? std::optional(tangents) : std::nullopt;
 }
 
 std::shared_ptr<const LensModel> perspective(std::span<const double> coefficients) {

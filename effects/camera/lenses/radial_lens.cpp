@@ -25,22 +25,24 @@ double slope_of_odd_polynomial(double x, std::span<const double> k) {
   return 1 + sum;
 }
 
-// Finds the first step in which the slope changes its sign, then bisects it.
-RisingFunction::RisingFunction(Formula value, Formula slope, double limit)
-    : value_(std::move(value)), slope_(std::move(slope)), limit_(limit), fold_(limit) {
-  constexpr int kSteps = 4096;
-  for (int i = 1; i <= kSteps; ++i) {
-    double after = limit_ * i / kSteps;
-    if (slope_(after) > 0) continue;
-    double before = limit_ * (i - 1) / kSteps;
+double end_of(const std::function<bool(double)>& holds, double limit, int steps) {
+  for (int i = 1; i <= steps; ++i) {
+    double after = limit * i / steps;
+    if (holds(after)) continue;
+    double before = limit * (i - 1) / steps;
     for (int halving = 0; halving < 60; ++halving) {
       const double middle = (before + after) / 2;
-      (slope_(middle) > 0 ? before : after) = middle;
+      (holds(middle) ? before : after) = middle;
     }
-    fold_ = before;
-    return;
+    return before;
   }
+  return limit;
 }
+
+RisingFunction::RisingFunction(Formula value, Formula slope, double limit)
+    : value_(std::move(value)),
+      slope_(std::move(slope)),
+      fold_(end_of([this](double x) { return slope_(x) > 0; }, limit, 4096)) {}
 
 // Newton's method within a bracket of two arguments. It ends where no double in the bracket is nearer, so that its
 // error is the rounding of the formula.

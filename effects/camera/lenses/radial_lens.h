@@ -10,6 +10,10 @@
 
 namespace simvis {
 
+/// Where a condition that holds at 0 ceases to hold: the first of so many even steps up to the limit in which it does,
+/// bisected. The limit: it holds at every step.
+double end_of(const std::function<bool(double)>& holds, double limit, int steps);
+
 /// A function of numbers from 0 on, 0 at 0, that rises up to its fold.
 class RisingFunction {
  public:
@@ -20,7 +24,6 @@ class RisingFunction {
   RisingFunction(Formula value, Formula slope, double limit);
 
   double operator()(double x) const { return value_(x); }
-  double limit() const { return limit_; }
   /// Where the slope ceases to be above 0, at most the limit.
   double fold() const { return fold_; }
 
@@ -29,7 +32,7 @@ class RisingFunction {
 
  private:
   Formula value_, slope_;
-  double limit_, fold_;
+  double fold_;
 };
 
 /// The odd polynomial x (1 + k[0] x^2 + k[1] x^4 + ...).
