@@ -19,7 +19,9 @@ namespace simvis::bench {
 ///          rounded to float32.
 class BareEmbree {
  public:
-  BareEmbree(const DrawList& list, const glm::dmat4& frame_from_world);
+  /// `config` as for rtcNewDevice(): nullptr takes the newest instruction set of the machine, "isa=avx2" that of
+  /// SimVis.
+  BareEmbree(const DrawList& list, const glm::dmat4& frame_from_world, const char* config = nullptr);
 
   /// Casts one ray after the other. ranges_m[i] belongs to directions[i]; +infinity where nothing is hit.
   void cast_singly(std::span<const glm::vec3> directions, std::span<float> ranges_m,
@@ -51,8 +53,8 @@ inline std::vector<glm::vec3> flat_corners(const DrawList& list, const glm::dmat
   return corners;
 }
 
-inline BareEmbree::BareEmbree(const DrawList& list, const glm::dmat4& frame_from_world)
-    : device_(rtcNewDevice(nullptr)) {
+inline BareEmbree::BareEmbree(const DrawList& list, const glm::dmat4& frame_from_world, const char* config)
+    : device_(rtcNewDevice(config)) {
   const std::vector<glm::vec3> corners = flat_corners(list, frame_from_world);
   const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
   void* const positions = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,

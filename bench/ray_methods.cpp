@@ -1,15 +1,20 @@
 // Compares the cost of the methods of laser scanners: scenes/marvin with the moving robot, three scanners of 361 beams
-// each; and both ray casters with bare Embree (single precision, one flat mesh, one thread) on the same rays.
+// each; and both ray casters with bare Embree (single precision, one flat mesh) on the same rays. The caster by host
+// and Embree have one thread; the times of rays are per ray, as wall clock and as processor time of all threads.
 //
 //   ray_methods [SCENE.xml [FRAMES]]
 //
 // Prints CSV. Every method is timed in every frame, so that other load on the machine affects all alike: compare
 // ratios. A set is a whole frame of three scanners: parameters, flattening, rendering or casting, results in memory.
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -106,43 +111,77 @@ double worst_error(const std::vector<float>& ranges_m, const std::vector<RayHit>
   return worst;
 }
 
+/// A way to cast the rays, with its times per turn.
+struct Engine {
+  std::string name;
+  std::function<void()> cast;
+  std::function<double()> difference;  // the largest relative one to the hits of the caster by host
+  std::vector<double> wall_ms, processor_ms;
+};
+
+Engine embree_engine(const char* name, const bench::BareEmbree& embree, decltype(&bench::BareEmbree::cast_singly) cast,
+                     const std::vector<glm::vec3>& directions, const std::vector<RayHit>& hits) {
+  const auto ranges_m = std::make_shared<std::vector<float>>(directions.size());
+  return {.name = name,
+          .cast = [&embree, cast, &directions, ranges_m] { (embree.*cast)(directions, *ranges_m, glm::vec3(0)); },
+          .difference = [&hits, ranges_m] { return worst_error(*ranges_m, hits); },
+          .wall_ms = {},
+          .processor_ms = {}};
+}
+
+/// Processor time of all threads of the process.
+double processor_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+void time_turn(Engine& engine) {
+  const double processor = processor_ms();
+  const auto start = Clock::now();
+  engine.cast();
+  engine.wall_ms.push_back(since(start));
+  engine.processor_ms.push_back(processor_ms() - processor);
+}
+
 void time_rays(const char* name, Simulation& simulation, const std::vector<glm::dvec3>& directions, int repetitions) {
   glm::dmat4 world_from_sensor(1.0);
   simulation.sensor_pose("FRONT_SCANNER", world_from_sensor);
-  std::vector<RayHit> hits(directions.size());
-  std::vector<float> single_m(directions.size()), packets_m(directions.size());
-  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
-  caster->set_world(simulation.diagnostics().draw_list());
+  const DrawList& list = simulation.diagnostics().draw_list();
+  std::vector<RayHit> hits(directions.size()), shader_hits(directions.size());
+  const std::unique_ptr<RayCaster> caster = make_host_ray_caster({}, 1);
+  caster->set_world(list);
   Device vulkan;
   const std::unique_ptr<RayCaster> shader = make_device_ray_caster(vulkan);
-  shader->set_world(simulation.diagnostics().draw_list());
-  std::vector<RayHit> shader_hits(directions.size());
-  const bench::BareEmbree embree(simulation.diagnostics().draw_list(), rigid_inverse(world_from_sensor));
+  shader->set_world(list);
+  const bench::BareEmbree embree(list, rigid_inverse(world_from_sensor));
+  const bench::BareEmbree avx2(list, rigid_inverse(world_from_sensor), "isa=avx2");
   const std::vector<glm::vec3> single(directions.begin(), directions.end());
-  std::vector<double> times_ms[4];
+  using bench::BareEmbree;
+  std::vector<Engine> engines{{.name = "caster by host",
+                               .cast = [&] { caster->cast(world_from_sensor, directions, hits); },
+                               .difference = [] { return 0.0; },
+                               .wall_ms = {},
+                               .processor_ms = {}},
+                              {.name = "caster by compute shader",
+                               .cast = [&] { shader->cast(world_from_sensor, directions, shader_hits); },
+                               .difference = [&] { return shader_hits == hits ? 0.0 : INFINITY; },
+                               .wall_ms = {},
+                               .processor_ms = {}},
+                              embree_engine("embree 1", embree, &BareEmbree::cast_singly, single, hits),
+                              embree_engine("embree 16", embree, &BareEmbree::cast_in_packets, single, hits),
+                              embree_engine("embree 1 avx2", avx2, &BareEmbree::cast_singly, single, hits),
+                              embree_engine("embree 16 avx2", avx2, &BareEmbree::cast_in_packets, single, hits)};
   for (int r = 0; r < repetitions; ++r) {
-    auto start = Clock::now();
-    caster->cast(world_from_sensor, directions, hits);
-    times_ms[0].push_back(since(start));
-    start = Clock::now();
-    embree.cast_singly(single, single_m);
-    times_ms[1].push_back(since(start));
-    start = Clock::now();
-    embree.cast_in_packets(single, packets_m);
-    times_ms[2].push_back(since(start));
-    start = Clock::now();
-    shader->cast(world_from_sensor, directions, shader_hits);
-    times_ms[3].push_back(since(start));
+    for (Engine& engine : engines) time_turn(engine);
   }
   const double per_ray = 1e6 / static_cast<double>(directions.size());
-  const double packets_ms = median(times_ms[2]);
-  const auto print = [&](const char* engine, double ms, double difference) {
-    std::printf("%s,%s,%.1f,%.3f,%.3g\n", name, engine, per_ray * ms, ms / packets_ms, difference);
-  };
-  print("caster by host", median(times_ms[0]), 0);
-  print("caster by compute shader", median(times_ms[3]), shader_hits == hits ? 0 : INFINITY);
-  print("embree 1", median(times_ms[1]), worst_error(single_m, hits));
-  print("embree 16", packets_ms, worst_error(packets_m, hits));
+  const auto packets = std::ranges::find(engines, "embree 16", &Engine::name);
+  for (const Engine& engine : engines) {
+    std::printf("%s,%s,%.1f,%.1f,%.3f,%.3g\n", name, engine.name.c_str(), per_ray * median(engine.wall_ms),
+                per_ray * median(engine.processor_ms), median(engine.processor_ms) / median(packets->processor_ms),
+                engine.difference());
+  }
 }
 
 }  // namespace
@@ -153,7 +192,7 @@ int main(int argc, char** argv) {
   time_sets(scene, frames);
   Simulation simulation = Simulation::load(scene);
   simulation.step();
-  std::printf("rays,engine,median_ns,ratio_to_packets,worst_relative_difference\n");
+  std::printf("rays,engine,wall_ns,processor_ns,ratio_to_packets,worst_relative_difference\n");
   time_rays("361", simulation, directions_of(361, std::numbers::pi / 2, 1, 0), frames);
   time_rays("64 x 2048", simulation, directions_of(2048, std::numbers::pi, 64, std::numbers::pi / 12), frames / 30 + 1);
   return 0;

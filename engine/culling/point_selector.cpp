@@ -31,7 +31,6 @@ constexpr int kBlock = 4;           // samples of a row that are read together
 constexpr std::size_t kPoints = 8;  // that are placed together
 using PointInts = int __attribute__((vector_size(32)));
 
-SIMVIS_INLINE Float8 splat8(float value) { return Float8{value, value, value, value, value, value, value, value}; }
 SIMVIS_INLINE Float8 clamp8(Float8 a, float low, float high) {
   return min(splat8(high), max(splat8(low), a));  // `low` for what is not a number
 }

@@ -409,23 +409,35 @@ bool Traversal<kOwn>::try_corners(unsigned batch, unsigned lane, std::uint32_t p
   return true;
 }
 
-}  // namespace
-
-SIMVIS_FOR_EACH_MACHINE void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive,
-                                          RayPacket& packet) {
-  Traversal<false>(view, packet).into_triangle(placed, primitive);
-}
-
-SIMVIS_FOR_EACH_MACHINE void traverse_packet(RayView& view, const WideBvh& items, RayPacket& packet) {
+SIMVIS_FOR_EACH_MACHINE void cast_into_items(RayView& view, const WideBvh& items, RayPacket& packet) {
   Traversal<false>(view, packet).into_items(items);
 }
 
-SIMVIS_FOR_EACH_MACHINE void traverse_from_origins(RayView& view, const WideBvh& items, RayPacket& packet) {
+SIMVIS_FOR_EACH_MACHINE void cast_from_origins(RayView& view, const WideBvh& items, RayPacket& packet) {
   Traversal<true>(view, packet).into_items(items);
 }
 
-SIMVIS_FOR_EACH_MACHINE void traverse_packet(RayView& view, std::uint32_t placed, RayPacket& packet) {
+SIMVIS_FOR_EACH_MACHINE void cast_into_item(RayView& view, std::uint32_t placed, RayPacket& packet) {
   Traversal<false>(view, packet).into_item(placed, kAllRays);
+}
+
+SIMVIS_FOR_EACH_MACHINE void cast_into_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive,
+                                                RayPacket& packet) {
+  Traversal<false>(view, packet).into_triangle(placed, primitive);
+}
+
+}  // namespace
+
+void traverse_packet(RayView& view, const WideBvh& items, RayPacket& packet) { cast_into_items(view, items, packet); }
+
+void traverse_from_origins(RayView& view, const WideBvh& items, RayPacket& packet) {
+  cast_from_origins(view, items, packet);
+}
+
+void traverse_packet(RayView& view, std::uint32_t placed, RayPacket& packet) { cast_into_item(view, placed, packet); }
+
+void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive, RayPacket& packet) {
+  cast_into_triangle(view, placed, primitive, packet);
 }
 
 }  // namespace simvis

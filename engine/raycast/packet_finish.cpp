@@ -92,9 +92,7 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
   }
 }
 
-}  // namespace
-
-SIMVIS_FOR_EACH_MACHINE void finish_packet(RayView& view, const RayPacket& packet, RayHit* hits) {
+SIMVIS_FOR_EACH_MACHINE void finish_batches(RayView& view, const RayPacket& packet, RayHit* hits) {
   for (unsigned batch = 0; batch < packet.batches; ++batch) {
     if (packet.own_origins) {
       finish<true>(view, packet, batch, hits);
@@ -103,5 +101,9 @@ SIMVIS_FOR_EACH_MACHINE void finish_packet(RayView& view, const RayPacket& packe
     }
   }
 }
+
+}  // namespace
+
+void finish_packet(RayView& view, const RayPacket& packet, RayHit* hits) { finish_batches(view, packet, hits); }
 
 }  // namespace simvis

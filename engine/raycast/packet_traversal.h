@@ -12,8 +12,6 @@
 
 namespace simvis {
 
-SIMVIS_INLINE Float8 splat8(float value) { return Float8{value, value, value, value, value, value, value, value}; }
-
 /// The planes of a packet in the frame of a tree, for tests against boxes. The largest value of a plane function in a
 /// box is d + normal . c, where c is the corner of the box that is farthest along the normal. The rounding error of
 /// this value in float32 is less than `slack`: 15 half ulps, for the inputs and for the expression itself, of sums of

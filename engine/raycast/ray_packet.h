@@ -81,8 +81,8 @@ struct RayPacket {
   Float8 normal_x, normal_y, normal_z;  ///< the two unused SIMD lanes are 0
 
  private:
-  static void fill(RayPacket& packet, std::span<const glm::dvec3> rays, std::span<const double> passed_m,
-                   std::span<const RayOrigin> origins);
+  SIMVIS_FOR_EACH_MACHINE static void fill(RayPacket& packet, std::span<const glm::dvec3> rays,
+                                           std::span<const double> passed_m, std::span<const RayOrigin> origins);
   void place(std::span<const glm::dvec3> rays, std::span<const double> passed_m, std::span<const RayOrigin> origins);
   /// What is accumulated over the rays, by SIMD lane.
   struct Sums {
