@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "program/cli/load_scene.h"
@@ -35,6 +36,7 @@ class SimulationOutlet : public RunOutlet {
   void fail() override {
     if (std::exchange(is_started_, false)) (simulation_.*stop_)();
   }
+  bool can_go_back() const override { return std::is_same_v<Report, DdsReport>; }  // the others are files and devices
 
  private:
   Simulation& simulation_;
