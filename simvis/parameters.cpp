@@ -107,20 +107,29 @@ std::vector<std::size_t> Parameters::drain_changed_elements() {
   return changed;
 }
 
+// Elements that were removed keep their places here, and have none in the state.
 void Parameters::archive(StateArchive& state) {
-  std::vector<double> values = values_;
+  std::vector<double> values;
+  for (const ElementDescriptor& each : elements_) {
+    const auto first = values_.begin() + static_cast<std::ptrdiff_t>(each.first_value);
+    if (!each.removed) values.insert(values.end(), first, first + static_cast<std::ptrdiff_t>(each.parameters.size()));
+  }
+  const std::size_t count = values.size();
   state(values);
-  state.require(values.size() == values_.size());
-  for (std::size_t element = 0; element < elements_.size(); ++element) {
+  state.require(values.size() == count);
+  std::vector<double> all = values_;
+  for (std::size_t element = 0, next = 0; element < elements_.size(); ++element) {
     const ElementDescriptor& each = elements_[element];
-    for (std::size_t i = 0; i < each.parameters.size() && !each.removed; ++i) {
-      state.require(check_number(each.parameters[i], values[each.first_value + i]).empty());
+    if (each.removed) continue;
+    for (std::size_t i = 0; i < each.parameters.size(); ++i, ++next) {
+      state.require(check_number(each.parameters[i], values[next]).empty());
+      all[each.first_value + i] = values[next];
     }
     bool is_changed = element_changed_[element];
     state(is_changed);
     element_changed_[element] = is_changed;
   }
-  values_ = std::move(values);
+  values_ = std::move(all);
 }
 
 }  // namespace simvis

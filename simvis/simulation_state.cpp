@@ -1,12 +1,14 @@
 // The state of a simulation between two frames, as bytes.
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <simvis/command.h>
 #include <simvis/location.h>
 #include <simvis/sensor_type.h>
 #include <simvis/state_archive.h>
@@ -79,6 +81,28 @@ std::uint64_t hash_of(const SimulationDesc& desc) {
   return hash;
 }
 
+// The commands of a log whose objects stand in the scene: without those that were removed later, and the removals.
+std::vector<std::string> standing_commands(const std::vector<std::string>& log) {
+  const auto removes = [](const std::string& text) { return text.starts_with("<remove "); };
+  if (std::ranges::none_of(log, removes)) return log;
+  std::map<std::pair<std::string, std::string>, std::size_t> made;  // by tag and name, which one object has at a time
+  std::vector<bool> stands(log.size(), true);
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    const Command command = parse_commands(log[i], "the log of changes", "").front();
+    const std::string& name = command.require("name").value;
+    if (command.kind == CommandKind::remove) {
+      stands[i] = stands[made.at({command.require("kind").value, name})] = false;
+    } else {
+      made[{std::string(to_string(command.kind)), name}] = i;
+    }
+  }
+  std::vector<std::string> standing;
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    if (stands[i]) standing.push_back(log[i]);
+  }
+  return standing;
+}
+
 // Scenes of the same commands have the same objects, in the same order.
 void archive_commands(StateArchive& state, const std::vector<std::string>& commands) {
   std::vector<std::uint64_t> hashes;
@@ -89,9 +113,10 @@ void archive_commands(StateArchive& state, const std::vector<std::string>& comma
   const auto [here, there] = std::ranges::mismatch(hashes, saved);
   if (here == hashes.end() && there == saved.end()) return;
   const auto first = static_cast<std::size_t>(here - hashes.begin());
-  throw InputError("the state is of another scene: command " + std::to_string(first + 1) +
-                   (first < commands.size() ? " here is " + commands[first] : " is missing here") +
-                   ", expected a scene of the same commands and requests in the same order");
+  throw InputError(
+      "the state is of another scene: command " + std::to_string(first + 1) +
+      (first < commands.size() ? " here is " + commands[first] : " is missing here") +
+      ", expected a scene of the same commands and requests in the same order, apart from what was removed");
 }
 
 void archive_scene(StateArchive& state, const SimulationDesc& desc, const std::vector<std::string>& commands) {
@@ -132,7 +157,7 @@ std::string SimulationImpl::save_state() {
   finish();
   measure_skipped();
   StateArchive state;
-  archive_scene(state, desc, scene.built.parameters.changes());
+  archive_scene(state, desc, standing_commands(scene.built.parameters.changes()));
   archive(state);
   return to_saved_state(state.bytes());
 }
@@ -142,7 +167,7 @@ void SimulationImpl::restore_state(std::string_view bytes) {
   finish();
   measure_skipped();
   StateArchive state(content_of(bytes));
-  archive_scene(state, desc, scene.built.parameters.changes());
+  archive_scene(state, desc, standing_commands(scene.built.parameters.changes()));
   StateArchive present;
   present.keep_all();
   archive(present);

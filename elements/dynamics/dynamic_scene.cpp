@@ -37,6 +37,7 @@ class PhysicsMark : public SensedPhysics {
   bool moves(std::string_view point) const override { return dynamic_->moves(point); }
   void follow_points(std::set<std::string, std::less<>> points) override { dynamic_->follow_points(std::move(points)); }
   std::optional<StepMotion> motion_of(std::string_view point) const override { return dynamic_->motion_of(point); }
+  std::optional<StepMotion::At> state_of(std::string_view point) const override { return dynamic_->state_of(point); }
   std::vector<DrawnBody> drawn_bodies() const override { return dynamic_->drawn_bodies(); }
   DrawnPhysics drawn_state() const override { return dynamic_->drawn_state(); }
   void pull(std::uint64_t puller, const std::optional<BodyPull>& pull) override { dynamic_->pull(puller, pull); }
@@ -307,15 +308,23 @@ void DynamicScene::find_followed() {
       followed.last.reset();
     } else if (!followed.last) {
       followed.last.emplace();
-      note(followed, &StepMotion::after);
+      followed.last->after = state_at(*followed.link);
     }
   }
 }
 
-void DynamicScene::note(Followed& followed, StepMotion::At StepMotion::*when) const {
-  const BodyState state = world_->state(*followed.link);
-  StepMotion& last = *followed.last;
-  last.*when = {state.world_from_body, state.center_m, state.velocity_m_s, state.angular_velocity_rad_s};
+StepMotion::At DynamicScene::state_at(const WorldLink& link) const {
+  const BodyState state = world_->state(link);
+  return {state.world_from_body, state.center_m, state.velocity_m_s, state.angular_velocity_rad_s};
+}
+
+std::optional<StepMotion::At> DynamicScene::state_of(std::string_view point) const {
+  if (world_ == nullptr) return std::nullopt;
+  for (const DynamicObject* const object : objects_) {
+    const std::optional<int> link = object->id ? object->link_at(point) : std::nullopt;
+    if (link) return state_at({*object->id, *link});
+  }
+  return std::nullopt;
 }
 
 std::optional<std::vector<PointContact>> DynamicScene::contacts_at(std::string_view point) const {
@@ -441,7 +450,7 @@ void DynamicScene::step(std::int64_t count) {
 void DynamicScene::note_followed(StepMotion::At StepMotion::*when) {
   for (auto& [point, followed] : followed_) {
     if (!followed.link) continue;
-    note(followed, when);
+    (*followed.last).*when = state_at(*followed.link);
     followed.last->step_s = desc_.step_s;
   }
 }

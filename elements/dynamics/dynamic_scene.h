@@ -92,6 +92,7 @@ class DynamicScene {
   bool moves(std::string_view point) const;
   void follow_points(std::set<std::string, std::less<>> points);
   std::optional<StepMotion> motion_of(std::string_view point) const;
+  std::optional<StepMotion::At> state_of(std::string_view point) const;
   std::vector<DrawnBody> drawn_bodies() const;
   DrawnPhysics drawn_state() const;
   void pull(std::uint64_t puller, const std::optional<BodyPull>& pull);
@@ -104,7 +105,7 @@ class DynamicScene {
     std::optional<StepMotion> last{};
   };
   void find_followed();
-  void note(Followed& followed, StepMotion::At StepMotion::*when) const;
+  StepMotion::At state_at(const WorldLink& link) const;
   void note_followed(StepMotion::At StepMotion::*when);
   [[noreturn]] void fail(std::size_t id);
   void make_world();

@@ -31,6 +31,7 @@ namespace simvis {
 
 struct BuiltScene;
 struct SimulationImpl;
+class SimulationServices;
 class SimulationUse;
 struct VectorSimulationImpl;
 namespace ros {
@@ -283,6 +284,7 @@ class SIMVIS_API Simulation {
 
  private:
   friend void send_messages(Simulation& simulation, ros::MessageOutlet* outlet);
+  friend class SimulationServices;
   friend struct VectorSimulationImpl;
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   SimulationUse impl() const;

@@ -13,7 +13,6 @@
 #include "engine/base/now_ns.h"
 #include "program/cli/load_scene.h"
 #include "program/cli/saved_scene.h"
-#include "program/cli/signals.h"
 #include "program/output/atomic_file.h"
 #include "simvis/message_tap.h"
 #include "simvis/time/clock.h"
@@ -21,7 +20,6 @@
 namespace simvis {
 namespace {
 
-constexpr std::chrono::milliseconds kSignalPoll{50};
 constexpr std::int64_t kSpeedPeriod_ns = 500'000'000;  // over which the speed is the mean
 constexpr std::int64_t kStanding_ns = 1'000'000'000;   // without a frame, the host stands
 constexpr std::uint64_t kMaxSteps = 1000;              // that wait
@@ -57,8 +55,9 @@ std::string host_of(const std::string& address) {
 
 }  // namespace
 
-LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follower)
+LiveRun::LiveRun(const Options& options, Simulation& simulation, RunControl& control, Follower* follower)
     : simulation_(simulation),
+      control_(control),
       scene_(options.scene),
       address_(options.live_address),
       desc_(scene_desc(options)),
@@ -71,6 +70,7 @@ LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follo
       view_(server_desc(options, token_), range_) {
   if (follower_ != nullptr) builds_ = follower_->builds();
   view_.attach(simulation);
+  show_playback();
 }
 
 std::string LiveRun::links() const {
@@ -80,44 +80,40 @@ std::string LiveRun::links() const {
 }
 
 // A page that sends requests without end does not stop the simulation.
-void LiveRun::carry_out_waiting() {
+void LiveRun::serve() {
   for (std::size_t i = 0; i < live::ControlQueue::kMaxWaiting; ++i) {
     const std::optional<Control> control = view_.next_control();
-    if (!control) return;
+    if (!control) break;
     carry_out(*control);
   }
+  if (shows_play_ == control_.is_playing()) return;
+  show_control();
+  show_playback();
 }
 
 void LiveRun::while_waiting(bool has_host) {
   using Host = live::ViewTime::Host;
   if (builds_ != follower_->builds()) return;  // clients get the scene of another host with its first frame
-  carry_out_waiting();
+  serve();
   if (!is_shown_) show();
   const bool stands = now_ns() - frame_ns_ > kStanding_ns;
   const Host state = !has_host ? Host::ended : stands ? Host::stands : Host::runs;
   if (std::exchange(host_state_, state) != state) view_.publish(view_time());
 }
 
-void LiveRun::before_frame() {
-  carry_out_waiting();
-  while (!playing_ && steps_ == 0 && !seek_ && received_signal() == nullptr) {
-    const std::optional<Control> control = view_.next_control(std::chrono::steady_clock::now() + kSignalPoll);
-    if (control) carry_out(*control);
-    if (!is_shown_) show();
-  }
-  if (!playing_ && steps_ > 0 && !seek_) --steps_;
-}
-
 void LiveRun::wait(std::int64_t due_ns) {
   const auto left = std::chrono::nanoseconds(std::max<std::int64_t>(due_ns - now_ns(), 0));
-  const auto until = std::chrono::steady_clock::now() + std::min<std::chrono::nanoseconds>(left, kSignalPoll);
-  if (const std::optional<Control> control = view_.next_control(until)) carry_out(*control);
+  if (const std::optional<Control> control = view_.next_control(std::chrono::steady_clock::now() + left)) {
+    carry_out(*control);
+  }
+  if (!is_shown_ && !control_.makes_frame()) show();
 }
 
 void LiveRun::frame(const FrameTime& time) {
   if (follower_ != nullptr && std::exchange(builds_, follower_->builds()) != follower_->builds()) {
     view_.attach(simulation_);
   }
+  const bool went_back = shown_ && time.time_ns < shown_->time_ns;
   shown_ = time;
   step_ms_ = last_step_ms(simulation_);
   const std::int64_t now = now_ns();
@@ -131,11 +127,11 @@ void LiveRun::frame(const FrameTime& time) {
   }
   show();
   const bool is_last = range_ && time.time_ns >= range_->end_ns;
-  if (seek_ && (is_last || simulation_.next_frame().time_ns > seek_->time_ns)) {
-    end_seek();
+  if (control_.seek_ns() && (is_last || simulation_.next_frame().time_ns > *control_.seek_ns())) {
+    control_.end_seek();
     show_playback(true);
-  } else if (is_last) {
-    show_playback();
+  } else if (is_last || went_back) {
+    show_playback(went_back);
   }
 }
 
@@ -154,65 +150,49 @@ void LiveRun::show_playback(bool did_seek, const std::string& request) {
   if (!range_) return;
   using Status = live::PlaybackState::Status;
   const std::int64_t time_ns = shown_ ? shown_->time_ns : range_->start_ns;
-  const double factor = seek_ ? seek_->factor : real_time_ != nullptr ? real_time_->factor() : 0;
-  live::PlaybackState state{.status = playing_ ? Status::playing : Status::paused,
+  const double factor = control_.speed();
+  live::PlaybackState state{.status = control_.is_playing() ? Status::playing : Status::paused,
                             .time_ns = time_ns,
                             .speed = factor > 0 ? factor : speed_,
                             .did_seek = did_seek,
                             .request = request};
-  if (seek_) state.status = Status::buffering;
+  if (control_.seek_ns()) state.status = Status::buffering;
   if (shown_ && time_ns >= range_->end_ns) state.status = Status::ended;
   view_.publish(state);
 }
 
-bool LiveRun::takes_blame(const InputError& error) {
-  if (!changed_) return false;
-  end_seek();
-  set_playing(false);
+void LiveRun::show_failure(const InputError& error) {
+  show_control();
   show_playback();
-  steps_ = 0;
   view_.report("step", error.what());
-  return true;
+}
+
+void LiveRun::set_playing(bool playing) {
+  playing ? control_.play() : control_.pause();
+  show_control();
 }
 
 // Pages get the last frame with the state.
-void LiveRun::set_playing(bool playing) {
-  if (playing && !playing_ && real_time_ != nullptr) real_time_->restart(real_time_->factor());
-  playing_ = playing;
-  if (playing) return view_.publish(view_time());
+void LiveRun::show_control() {
+  shows_play_ = control_.is_playing();
+  if (shows_play_) return view_.publish(view_time());
   speed_ = 0;
   speed_since_ns_ = 0;
   show();
 }
 
-void LiveRun::set_speed(double factor) {
-  if (seek_) {
-    seek_->factor = factor;
-  } else if (real_time_ != nullptr) {
-    real_time_->restart(factor);
-  }
-}
-
-// Pauses at the frame that is made.
-void LiveRun::end_seek() {
-  if (!seek_) return;
-  if (real_time_ != nullptr) real_time_->restart(seek_->factor);
-  seek_.reset();
-}
-
 // A further request ends a seek that is under way.
 void LiveRun::playback(const Control& control) {
   const live::PlaybackRequest& request = *control.playback;
-  end_seek();
-  set_speed(request.speed);
+  control_.end_seek();
+  control_.set_speed(request.speed);
   set_playing(request.play);
   const std::int64_t now_ns = shown_ ? shown_->time_ns : range_->start_ns;
   if (request.seek_ns && *request.seek_ns < now_ns) {
     view_.answer(control, "the run is at " + format_number(static_cast<double>(now_ns) / 1e9) +
                               " s, expected a later time, since a simulation does not go back");
   } else if (request.seek_ns && *request.seek_ns >= simulation_.next_frame().time_ns) {
-    seek_ = {.time_ns = *request.seek_ns, .factor = request.speed};
-    if (real_time_ != nullptr) real_time_->restart(0);
+    control_.seek(*request.seek_ns);
   }
   show_playback(request.seek_ns == now_ns, request.id);
 }
@@ -226,18 +206,17 @@ void LiveRun::carry_out(const Control& control) {
       return set(control);
     case Kind::play:
     case Kind::pause:
-      end_seek();
       set_playing(control.kind == Kind::play);
       show_playback();
       return view_.answer(control, "");
     case Kind::step:
-      end_seek();
-      if (playing_) set_playing(false);
+      control_.end_seek();
+      if (control_.is_playing()) set_playing(false);
       show_playback();
-      steps_ = std::min(steps_ + 1, kMaxSteps);
+      if (control_.steps() < kMaxSteps) control_.step(1);
       return view_.answer(control, "");
     case Kind::speed:
-      set_speed(control.factor);
+      control_.set_speed(control.factor);
       return show_playback();
     case Kind::playback:
       return playback(control);
@@ -254,7 +233,7 @@ void LiveRun::carry_out(const Control& control) {
 
 void LiveRun::pull(const Control& control) {
   if (follower_ != nullptr) return view_.answer(control, "the bodies are those of another process");
-  changed_ = true;
+  control_.note_change();
   view_.pull(control, simulation_);
 }
 
@@ -289,7 +268,7 @@ void LiveRun::set_one(std::size_t parameter, double value) {
     if (follower_->set(simulation_, parameter, value)) return;
   }
   parameters.set(parameter, value);
-  changed_ = true;
+  control_.note_change();
 }
 
 void LiveRun::execute(const Control& control) {
@@ -302,7 +281,7 @@ void LiveRun::execute(const Control& control) {
         folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
         simulation_.execute(control.text, folders_.start(), kRequestName);
       });
-      changed_ = true;
+      control_.note_change();
     }
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     refusal = without_file_content(error.what(), control.text);

@@ -30,9 +30,10 @@ class RealTime {
 
   double factor() const { return factor_; }
   const Punctuality& punctuality() const { return punctuality_; }
+  /// Sleeps until `due_ns` (clock of now_ns()), or until a signal comes.
+  static void sleep_until(std::int64_t due_ns);
 
  private:
-  static void sleep_until(std::int64_t due_ns);
   std::int64_t due_ns(const FrameTime& frame);
   void note_lag(double lag_s, double frame_s, const FrameTime& frame);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -24,6 +25,9 @@
 namespace simvis {
 namespace {
 
+// A paused or waiting run looks for signals, and for requests of services.
+constexpr std::int64_t kSignalPeriod_ns = 50'000'000, kServicePeriod_ns = 10'000'000;
+
 /// Whether frames before the first one of this process can be skipped. Otherwise they are made again.
 bool can_skip(const Simulation& simulation) {
   try {
@@ -42,10 +46,12 @@ bool is_of_whole_run(const std::string& warning) {
 
 }  // namespace
 
-Run::Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
-         Follower* follower, std::unique_ptr<LiveRun> live, std::int64_t start_ns)
+Run::Run(const Options& options, Simulation& simulation, RunControl& control,
+         const std::optional<Trajectory>& trajectory, Follower* follower, std::unique_ptr<LiveRun> live,
+         std::int64_t start_ns)
     : options_(options),
       simulation_(simulation),
+      control_(control),
       trajectory_(trajectory),
       follower_(follower),
       start_ns_(start_ns),
@@ -67,12 +73,26 @@ Outlet* Run::add(std::unique_ptr<Outlet> outlet) {
 }
 
 void Run::begin_clock() {
-  if (live_ != nullptr) {
-    real_time_.emplace(options_.real_time, [this](std::int64_t due_ns) { live_->wait(due_ns); });
-    live_->control(*real_time_);
+  const bool has_clients = live_ != nullptr || options_.dds;
+  if (has_clients) {
+    real_time_.emplace(options_.real_time, [this](std::int64_t due_ns) {
+      serve_clients();
+      wait_for_clients(due_ns);
+    });
   } else if (options_.real_time > 0) {
     real_time_.emplace(options_.real_time);
   }
+}
+
+// A scene of another process is changed and stepped there.
+void Run::begin_services() {
+  if (!options_.dds || follower_ != nullptr) return;
+  const bool can_go_back = options_.serve.empty() && std::ranges::all_of(outlets_, &RunOutlet::can_go_back);
+  services_.emplace(simulation_, control_,
+                    SimulationServicesDesc{.changes = options_.dds_requests,
+                                           .resets = can_go_back,
+                                           .folders = request_folders(options_),
+                                           .quit = [] { std::raise(SIGTERM); }});
 }
 
 bool Run::prepare() {
@@ -93,6 +113,7 @@ bool Run::prepare() {
   if (!options_.page.empty()) add(page_outlet(options_, simulation_));
   if (!options_.save_state.empty()) add(state_outlet(options_, simulation_));
   if (!options_.profile.empty()) add(profile_outlet(options_, simulation_));
+  begin_services();
   return true;
 }
 
@@ -123,8 +144,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     return frame < first_frame || (dataset_ != nullptr && dataset_->has(frame));
   };
   for (std::uint64_t frame = 0; frame < options_.frames && received_signal() == nullptr;) {
-    const double now_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9;
-    if (trajectory_) trajectory_->apply(now_s, simulation_.parameters());
+    apply_trajectory();
     if (!shard.has(frame) || (is_made(frame) && skips)) {
       simulation_.skip_frame();
       ++frame;
@@ -148,11 +168,45 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
   }
 }
 
+void Run::apply_trajectory() {
+  if (!trajectory_) return;
+  trajectory_->apply(static_cast<double>(simulation_.next_frame().time_ns) / 1e9, simulation_.parameters());
+}
+
+void Run::serve_clients() {
+  if (live_ != nullptr) live_->serve();
+  if (services_) services_->serve();
+  if (real_time_ && std::exchange(restarts_, control_.restarts()) != control_.restarts()) {
+    real_time_->restart(control_.pace());
+  }
+}
+
+/// Waits until `due_ns` (clock of now_ns()), or so briefly that no client and no signal waits for long.
+void Run::wait_for_clients(std::int64_t due_ns) {
+  const std::int64_t slice_ns = services_ ? kServicePeriod_ns : kSignalPeriod_ns;
+  const std::int64_t until_ns = std::min(due_ns, now_ns() + slice_ns);
+  live_ != nullptr ? live_->wait(until_ns) : RealTime::sleep_until(until_ns);
+}
+
+/// Waits while the run is paused, until a signal comes.
+void Run::await_turn() {
+  serve_clients();
+  while (!control_.makes_frame() && received_signal() == nullptr) {
+    wait_for_clients(now_ns() + kSignalPeriod_ns);
+    serve_clients();
+  }
+}
+
 /// Waits until the next frame is due, and has its scene. Empty: a signal came.
 std::optional<FrameTime> Run::next_time() {
+  const std::int64_t expected_ns = simulation_.next_frame().time_ns;
+  do {
+    await_turn();
+    if (real_time_) real_time_->wait(simulation_.next_frame());
+  } while (!control_.makes_frame() && received_signal() == nullptr);
+  control_.begin_frame();
   FrameTime time = simulation_.next_frame();
-  if (live_ != nullptr) live_->before_frame();
-  if (real_time_) real_time_->wait(time);
+  if (time.time_ns < expected_ns) apply_trajectory();  // the simulation has started again
   if (follower_ != nullptr) time = follow().value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
   if (std::ranges::any_of(outlets_, &RunOutlet::shows_all_content)) {
@@ -168,14 +222,19 @@ std::optional<FrameTime> Run::follow() {
   return follower_->advance(simulation_, serve);
 }
 
-/// Returns false if the frame could not be made because of what a client of the live view has changed.
+/// Returns false if the frame could not be made because of what a client has changed. The run is then paused.
 bool Run::step() {
   try {
     follower_ != nullptr ? follower_->step(simulation_) : simulation_.step();
   } catch (const OutletError&) {
     outlet_failure_ = std::current_exception();
   } catch (const InputError& error) {
-    if (live_ == nullptr || !live_->takes_blame(error)) throw;
+    if (!control_.is_changed()) throw;
+    control_.pause();
+    if (live_ != nullptr) live_->show_failure(error);
+    if (!services_) return false;
+    services_->end_steps(error.what());
+    std::cerr << "simvis-run: paused, since the next frame can't be made: " << error.what() << '\n';
     return false;
   }
   return true;
@@ -184,11 +243,16 @@ bool Run::step() {
 /// Everything that is kept of the frame just made.
 void Run::keep(const FrameTime& time, double step_ms) {
   report_.frame_ms.add(step_ms);
+  if (services_) services_->follow_frame();
   for (const std::unique_ptr<RunOutlet>& outlet : outlets_) outlet->frame(time);
   if (report_.frame_ms.added() == 1) first_done_ns_ = now_ns();
 }
 
 void Run::finish(WarningPrinter& warnings) {
+  if (services_) {
+    services_->end_steps("the run has ended");
+    services_->serve();
+  }
   const bool stopped = received_signal() != nullptr;
   const bool ends_early = stopped && report_.next_frame != options_.frames;
   require_memory();

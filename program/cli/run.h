@@ -19,6 +19,8 @@
 #include "program/cli/warning_printer.h"
 #include "program/options/options.h"
 #include "program/report/run_report.h"
+#include "simvis/sharing/run_control.h"
+#include "simvis/sharing/simulation_services.h"
 
 namespace simvis {
 
@@ -26,8 +28,8 @@ class Run {
  public:
   /// The objects outlive it. `follower` is null unless the frames are those of another process.
   /// `live` is null without --live.
-  Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory, Follower* follower,
-      std::unique_ptr<LiveRun> live, std::int64_t start_ns);
+  Run(const Options& options, Simulation& simulation, RunControl& control, const std::optional<Trajectory>& trajectory,
+      Follower* follower, std::unique_ptr<LiveRun> live, std::int64_t start_ns);
   ~Run();
 
   /// Adds the outlets. Returns false if an earlier run left nothing to do.
@@ -44,8 +46,13 @@ class Run {
   template <typename Outlet>
   Outlet* add(std::unique_ptr<Outlet> outlet);
   void begin_clock();
+  void begin_services();
   void begin_outlets();
   void update_report();
+  void serve_clients();
+  void wait_for_clients(std::int64_t due_ns);
+  void await_turn();
+  void apply_trajectory();
   std::optional<FrameTime> next_time();
   std::optional<FrameTime> follow();
   bool step();
@@ -53,12 +60,14 @@ class Run {
 
   const Options& options_;
   Simulation& simulation_;
+  RunControl& control_;
   const std::optional<Trajectory>& trajectory_;
   Follower* follower_;
   std::int64_t start_ns_;
   RunReport report_;
   std::int64_t first_done_ns_ = 0;  // end of the first frame of this process
   std::optional<RealTime> real_time_;
+  std::uint64_t restarts_ = 0;         // of control_, that real_time_ follows
   std::exception_ptr outlet_failure_;  // of the simulation's own ones; ends the run once its frame is kept
   std::vector<std::unique_ptr<RunOutlet>> outlets_;
   bool outlets_begun_ = false;
@@ -66,6 +75,7 @@ class Run {
   LiveRun* live_ = nullptr;
   ResultFiles* files_ = nullptr;
   DatasetRun* dataset_ = nullptr;  // in place of `files_`
+  std::optional<SimulationServices> services_;
 };
 
 }  // namespace simvis

@@ -96,12 +96,13 @@ int run_scene(Options options, std::int64_t start_ns) {
   if (trajectory && !options.names_frames) options.frames = frames_of(*trajectory, simulation);
   if (options.endless) options.frames = std::numeric_limits<std::uint64_t>::max();
   prepare_simulation(options, simulation);
+  RunControl control(options.real_time);
   std::unique_ptr<LiveRun> live;
   if (options.live) {
-    in_option("--live", [&] { live = std::make_unique<LiveRun>(options, simulation, followed); });
+    in_option("--live", [&] { live = std::make_unique<LiveRun>(options, simulation, control, followed); });
     std::cout << live->links() << std::endl;
   }
-  Run run(options, simulation, trajectory, followed, std::move(live), start_ns);
+  Run run(options, simulation, control, trajectory, followed, std::move(live), start_ns);
   if (again) print_differences(*again, run.report());
   defer_signals();
   if (!run.prepare()) return 0;

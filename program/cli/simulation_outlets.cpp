@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 
 #include "program/cli/load_scene.h"
@@ -36,6 +37,7 @@ class SimulationOutlet : public RunOutlet {
   void fail() override {
     if (std::exchange(is_started_, false)) (simulation_.*stop_)();
   }
+  bool can_go_back() const override { return std::is_same_v<Report, DdsReport>; }  // the others are files and devices
 
  private:
   Simulation& simulation_;

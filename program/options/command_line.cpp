@@ -274,7 +274,7 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   }
   const bool is_live = !options.serve.empty() || !options.follow.empty() || options.live || options.dds;
   options.endless = is_live && !options.names_frames && options.trajectory.empty();
-  options.writes = (!options.live || options.names_out) && options.datasets.empty();
+  options.writes = ((!options.live && !options.dds) || options.names_out) && options.datasets.empty();
   read_rate(options);
   if (!options.again.empty()) require_free_options(app, "--again");
   if (options.resume && options.scene.empty()) require_free_options(app, "--resume");

@@ -419,13 +419,15 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::dds_domain>,
      .value = "[DOMAIN]",
      .text = "send the frames as ROS 2 messages by DDS, and take values of parameters and commands of robots from "
-             "there; without `--frames` and `--trajectory` it goes on until it is interrupted",
+             "there; without `--frames` and `--trajectory` it goes on until it is interrupted, and without `--out` it "
+             "writes no files",
      .more = ", see [messages](messages.md#dds)",
      .is_value_optional = true},
     {.group = Group::processes,
      .names = "--dds-requests",
      .target = at<&Options::dds_requests>,
-     .text = "execute change requests of the domain too, which insert and remove parts, elements and sensors",
+     .text = "execute change requests of the domain too, which insert and remove parts, elements and sensors, and "
+             "services that spawn, pause, step and reset",
      .more = ", see [who may do what](messages.md#who-may-do-what)",
      .needs = "--dds"},
     {.group = Group::processes,

@@ -37,9 +37,7 @@ Network::Network(const DdsDesc& desc, const BuiltScene& scene)
       recorder_(node_.sink(qos_of(desc))) {
   listen(name_of_node_ + kSet, name_of_node_ + kRequest);
   follow_command_inputs(scene);
-  for (const ParameterService& service : parameter_services()) {
-    node_.serve(name_of_node_ + "/" + std::string(service.name), std::string(service.type));
-  }
+  for (const ParameterService& service : parameter_services()) serve(service.name, service.type);
   node_.announce(name_of_node_);
 }
 
@@ -157,12 +155,16 @@ void Network::take_commands(BuiltScene& scene, std::int64_t now_ns) {
   }
 }
 
+void Network::serve(std::string_view service, std::string_view type) {
+  node_.serve(full_name(service), std::string(type));
+}
+
 // Replies are sent by the recorder's thread, since a client that does not take them makes a writer wait. An earlier
 // failure of that thread, which add() throws, is reported by frame().
-void Network::send_reply(const std::string& service, std::string bytes) {
+void Network::send_reply(std::string_view service, std::string bytes) {
   const std::size_t size = bytes.size();
-  const auto send = [this, service, reply = std::move(bytes)](ros::MessageSink&) {
-    if (!node_.reply(service, reply)) ++lost_replies_;
+  const auto send = [this, name = full_name(service), reply = std::move(bytes)](ros::MessageSink&) {
+    if (!node_.reply(name, reply)) ++lost_replies_;
   };
   try {
     recorder_.add(size, ros::Recorder::WhenFull::exceed, send);
@@ -171,21 +173,25 @@ void Network::send_reply(const std::string& service, std::string bytes) {
   }
 }
 
-// Further requests wait in the readers for the next frame; a reader that is full replaces its oldest requests.
+// Further requests wait in the readers for the next call; a reader that is full replaces its oldest requests.
+void Network::answer(std::string_view service, const Reply& reply) {
+  constexpr std::size_t kRequestsPerCall = 4;
+  const std::string name = full_name(service);
+  for (const std::string& bytes : node_.take_requests(name, kRequestsPerCall)) {
+    ++received_;
+    try {
+      if (std::optional<std::string> sent = reply(bytes)) send_reply(service, *std::move(sent));
+    } catch (const InputError& error) {
+      say(name + ": " + error.what() + "; expected a request of rmw_cyclonedds, other clients get no answer", true);
+    }
+  }
+}
+
 void Network::answer_requests(Parameters& parameters) {
-  constexpr std::size_t kRequestsPerFrame = 4;  // of each service
   const std::uint64_t lost = lost_replies_.exchange(0);
   if (lost > 0) say(std::to_string(lost) + " replies were lost: their clients do not take them", false);
   for (const ParameterService& service : parameter_services()) {
-    const std::string name = name_of_node_ + "/" + std::string(service.name);
-    for (const std::string& bytes : node_.take_requests(name, kRequestsPerFrame)) {
-      ++received_;
-      try {
-        send_reply(name, service.answer(parameters, names_, bytes));
-      } catch (const InputError& error) {
-        say(name + ": " + error.what() + "; expected a request of rmw_cyclonedds, other clients get no answer", true);
-      }
-    }
+    answer(service.name, [&](std::string_view bytes) { return service.answer(parameters, names_, bytes); });
   }
 }
 

@@ -46,6 +46,15 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   /// What is refused is sent on NODE/log with the next frame.
   void take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute);
 
+  /// Offers a service of the node, such as "step_simulation", beside those of its parameters.
+  void serve(std::string_view service, std::string_view type);
+  /// Answers some of the requests of a service that wait, with CDR and headers; the others wait on. What `reply` throws
+  /// as InputError, for bytes that are no request, is said on NODE/log. Empty: the reply is sent later, by
+  /// send_reply().
+  using Reply = std::function<std::optional<std::string>(std::string_view request)>;
+  void answer(std::string_view service, const Reply& reply);
+  void send_reply(std::string_view service, std::string bytes);
+
   std::string_view name() const override { return "DDS"; }
   void check(const BuiltScene& scene) const override { check_messages(scene, name_of_node_); }
   std::string_view stage() const override { return "dds"; }
@@ -66,7 +75,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void follow_command_inputs(const BuiltScene& scene);
   void take_commands(BuiltScene& scene, std::int64_t now_ns);
   void answer_requests(Parameters& parameters);
-  void send_reply(const std::string& service, std::string bytes);
+  std::string full_name(std::string_view service) const { return name_of_node_ + "/" + std::string(service); }
   void say(const std::string& text, bool refused);
   void warn_of_namesake();
 

@@ -12,6 +12,9 @@ install(FILES exchange/clients/simvis_client.py DESTINATION ${CMAKE_INSTALL_DATA
 install(DIRECTORY exchange/clients/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES exchange/clients/simvis-ctl.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME simvis-ctl)
 
+# The package of ROS 2 that starts simvis-run.
+add_subdirectory(program/ros)
+
 # What simvis-run prints about itself, for editors, shells and man.
 set(printed_files)
 macro(simvis_printed_file folder name)
