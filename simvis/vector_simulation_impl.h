@@ -43,7 +43,8 @@ struct VectorSimulationImpl {
   void check(Environments environments) const;
   /// Calls `work(i)` for each of these environments, on all threads, and returns which calls have failed.
   Failures for_each(Environments environments, const std::function<void(std::size_t)>& work) const;
-  /// Throws the first failure, and says which environments have failed.
+  /// Throws the first failure, one of a frame that was not made if there is one, and says which environments have
+  /// failed.
   static void throw_any(const Failures& failures);
   /// Calls `work`, which is about one environment; the message of its error says which.
   static void call_named(std::size_t environment, const std::function<void()>& work);
