@@ -242,6 +242,8 @@ void VectorSimulationImpl::throw_any(const Failures& failures) {
     if (failures[i]) indices.push_back(i);
   }
   if (indices.empty()) return;
+  const auto first = std::ranges::find_if(indices, [&](std::size_t i) { return !is_of_consumer(failures[i]); });
+  if (first != indices.end()) std::rotate(indices.begin(), first, first + 1);
   std::string which = " (environment " + std::to_string(indices[0]);
   if (indices.size() > 1) which += "; these have failed too: " + names_of(std::span(indices).subspan(1));
   throw_named(failures[indices[0]], which + ")");

@@ -46,7 +46,8 @@ struct VectorSimulationImpl {
   /// thrown.
   Failures for_each(Environments environments, const std::function<void(std::size_t)>& work,
                     const std::function<void()>& after = {}) const;
-  /// Throws the first failure, and says which environments have failed.
+  /// Throws the first failure, one of a frame that was not made if there is one, and says which environments have
+  /// failed.
   static void throw_any(const Failures& failures);
   /// Calls `work`, which is about one environment; the message of its error says which.
   static void call_named(std::size_t environment, const std::function<void()>& work);

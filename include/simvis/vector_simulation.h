@@ -33,8 +33,8 @@ struct VectorSimulationImpl;
 ///           are errors of the scene, and do not. If environments fail in a step, all others make their frame first,
 ///           and failed() lists those that did not: their frame counts as not made, each of their sensors holds a
 ///           complete measurement, its last one or that of this frame, and they can be stepped again alone, restored or
-///           reloaded. After an OutletError of an environment its frame counts as made. Other functions change nothing
-///           if they throw, except where they say otherwise.
+///           reloaded. After an OutletError of an environment its frame counts as made; a step throws one only if all
+///           frames are made. Other functions change nothing if they throw, except where they say otherwise.
 /// Lifetime  returned references are valid as long as the vector, also after it is moved. A vector that was moved from
 ///           may only be assigned to or destroyed; other calls throw InputError.
 /// Threads   one thread at a time, which may be any thread.

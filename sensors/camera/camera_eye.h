@@ -55,8 +55,8 @@ class CameraEye {
   SensorNeeds needs() const;
   void begin(const FrameTime& time);
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_camera);
-  /// As that of Stateful.
-  void archive(StateArchive& state);
+  /// As that of Stateful. `beside` is another eye of the same camera, which the state has before; null: there is none.
+  void archive(StateArchive& state, const CameraEye* beside = nullptr);
 
   /// Views of one kind in the plan of a frame: they fill a pass for each of CameraViews::pass_size_px.
   struct Drawing {
@@ -85,8 +85,8 @@ class CameraEye {
   void cast(RayCaster& caster);
   /// Whether the last image shows splats; after cast().
   bool shows_splats() const { return looks_at_splats_ && splats_->in_color(); }
-  /// Adds the rows of the table of objects; after cast().
-  void add_objects(ObjectTable& objects, std::size_t view) const;
+  /// Adds the rows of the table of objects, on so many threads; after cast().
+  void add_objects(ObjectTable& objects, std::size_t view, unsigned threads) const;
   /// Adds all images but disparity and silhouettes.
   void add_to(Measurement& measurement) const;
   const Image& disparity() const { return disparity_; }
@@ -139,8 +139,7 @@ class CameraEye {
   void keep_drawn_depth();
   void add_splats(unsigned threads);
   bool may_show_splats() const {
-    return desc_.sees_splats && !paths_ &&
-           (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
+    return !paths_ && (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
   }
   bool reads_depth() const {
     return desc_.depth || looks_at_splats_ || (desc_.disparity() && optics_.resamples() && !optics_.rays);

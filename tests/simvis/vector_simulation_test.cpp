@@ -255,6 +255,20 @@ TEST_CASE("after an error of a consumer, an environment has made its frame and h
   for (const std::size_t i : kAll) CHECK(vector.environment(i)->last_frame()->index == 1);
 }
 
+TEST_CASE("an error of a frame that was not made comes before those of consumers, whose frames were made") {
+  const TemporaryFolder folder;
+  VectorSimulation vector = room();
+  vector.environment(0)->record({.file = folder / "run.mcap"});
+  std::filesystem::create_directory(folder / "run.mcap");  // no recording can be made here
+  static_cast<void>(vector.output("NOISY", "range_m"));
+  vector.environment(2)->execute("<remove name='NOISY'/>");
+  const std::string message = message_of<InputError>([&] { vector.step(); });
+  CHECK(contains(message, "there is no sensor \"NOISY\" (environment 2; these have failed too: 0)"));
+  CHECK(std::vector(vector.failed().begin(), vector.failed().end()) == std::vector<std::size_t>{2});
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) CHECK(vector.environment(i)->last_frame()->index == 0);
+  CHECK_FALSE(vector.environment(2)->last_frame().has_value());
+}
+
 TEST_CASE("an environment without an output has nothing there, makes no frame, and shows its other outputs") {
   VectorSimulation vector = room(2, kNoise + "<sensor type='laser_scanner' name='KEPT' insert_at='ROBOT'/>");
   const VectorOutput& missing = vector.output("NOISY", "range_m");

@@ -246,6 +246,50 @@ TEST_CASE("scans that cannot be drawn are refused, those that hit nothing are ta
   CHECK_FALSE(is_taken(0, 1, 1e30f));
 }
 
+// Trails, costs of methods, scenes of flow and scans that are shown: everywhere a number may be that of values to read.
+TEST_CASE("a state that names more values than it has is refused before memory is taken for them") {
+  const std::string pixels = "width='4' height='3' ";
+  const auto load = [&] {
+    Simulation simulation = Simulation::from_string(
+        "<s><part name='WALL' insert_at='ROOT' shape='box' size='1 9 9' pose_offset='3 0 0 0 0 0'/>"
+        "<part name='AT' insert_at='ROOT'/><element type='pose' name='MOVE' insert_at='AT'/>"
+        "<part name='BALL' insert_at='AT' shape='sphere' radius='0.2' pose_offset='2 0 0 0 0 0'/>"
+        "<element type='trail' name='TRAIL' insert_at='ROOT' part='BALL'/>"
+        "<sensor type='camera' name='FLOW' insert_at='ROOT' outputs='flow_forward occlusion' row_time='0.001' " +
+        pixels +
+        "/><sensor type='laser_scanner' name='AUTO' insert_at='ROOT' samples='5' method='auto' max_error_rel='0.01' "
+        "resolution='16'/><element type='laser_beams' name='BEAMS' insert_at='ROOT' scanner='AUTO'/>"
+        "<sensor type='camera' name='SHOWN' insert_at='ROOT' view='visualization' " +
+        pixels + "/></s>");
+    for (int frame = 0; frame < 3; ++frame) {
+      simulation.set("MOVE", "y", 0.1 * frame);
+      simulation.step();
+    }
+    return simulation;
+  };
+  Simulation simulation = load();
+  const std::string state = simulation.save_state();
+  for (const char* const title : {"element \"TRAIL\"", "sensor \"FLOW\"", "sensor \"AUTO\"", "the scans that are shown",
+                                  "the motion that sensors follow"}) {
+    CAPTURE(title);
+    const std::size_t begin = values_of(state, title);
+    std::uint64_t size = 0;
+    std::memcpy(&size, state.data() + begin - sizeof size, sizeof size);
+    int refused = 0;
+    for (std::size_t at = begin; at + sizeof size <= begin + size; ++at) {
+      CAPTURE(at - begin);
+      constexpr std::uint64_t kMany = std::uint64_t{1} << 40;
+      const std::string why = error_of([&] { simulation.restore_state(with(state, at, kMany)); });
+      REQUIRE(why.find("needs more memory than there is") == why.npos);
+      REQUIRE(why.find("a number of values that is not possible") == why.npos);
+      refused += why.find("expected") != why.npos || why.find("does not fit") != why.npos;
+    }
+    CHECK(refused > 0);
+  }
+  simulation.restore_state(state);
+  CHECK(simulation.save_state() == state);
+}
+
 TEST_CASE("memory follows what a state has, not the number of values that it names") {
   constexpr std::uint64_t kBytes = 1 << 20;
   std::string bytes(sizeof kBytes + kBytes, '\0');
