@@ -36,7 +36,7 @@ std::string with_words(const std::string& good, const std::vector<std::uint32_t>
   return bytes;
 }
 
-std::vector<std::uint32_t> words_of(const std::string& file) {
+std::vector<std::uint32_t> file_words(const std::string& file) {
   std::vector<std::uint32_t> words((file.size() - kHeaderBytes) / sizeof(std::uint32_t));
   std::memcpy(words.data(), file.data() + kHeaderBytes, words.size() * sizeof words[0]);
   return words;
@@ -117,7 +117,7 @@ TEST_CASE("the tree is correct for any words in a file") {
   CHECK(kept.had_as_made());
   const fs::path file = kept.folder / kept.file();
   const std::string good = read_text(file);
-  const std::vector<std::uint32_t> words = words_of(good);
+  const std::vector<std::uint32_t> words = file_words(good);
   std::mt19937 random(4);
   const auto below = [&](std::size_t count) {
     return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
@@ -141,7 +141,7 @@ TEST_CASE("a consistent file with duplicate or missing content is refused") {
   CHECK(kept.had_as_made());
   const fs::path file = kept.folder / kept.file();
   const std::string good = read_text(file);
-  const std::vector<std::uint32_t> words = words_of(good);
+  const std::vector<std::uint32_t> words = file_words(good);
   // The first node with space for another child, and its first leaf.
   std::size_t node = 2;
   while (words[node] == WideNode::kMax) node += 1 + words[node];
