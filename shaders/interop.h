@@ -112,12 +112,12 @@ using uint = std::uint32_t;
 
 #define SIMVIS_MIN_ROUGHNESS 0.05
 
-// The resolve pass: bindings, specialization constants, and the side length of its square workgroup.
+// The resolve pass: bindings, specialization constants, and the pixels of a row in a workgroup.
 #define SIMVIS_RESOLVE_SAMPLES 0
 #define SIMVIS_RESOLVE_MEAN 1
 #define SIMVIS_RESOLVE_SUPERSAMPLING 0
 #define SIMVIS_RESOLVE_MSAA 1
-#define SIMVIS_RESOLVE_GROUP 8
+#define SIMVIS_RESOLVE_GROUP 64
 
 #ifdef __cplusplus
 // One mesh in one view: rows of clip_from_mesh, computed in double and rounded once. They are vertex inputs with

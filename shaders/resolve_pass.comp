@@ -5,7 +5,8 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shaders/interop.h"
 
-layout(local_size_x = SIMVIS_RESOLVE_GROUP, local_size_y = SIMVIS_RESOLVE_GROUP) in;
+// Part of a row: the processor of a CPU device prefetches memory that is read in order, and the mean is bound by memory.
+layout(local_size_x = SIMVIS_RESOLVE_GROUP) in;
 layout(constant_id = SIMVIS_RESOLVE_SUPERSAMPLING) const int kSupersampling = 1;
 layout(constant_id = SIMVIS_RESOLVE_MSAA) const int kMsaa = 1;
 

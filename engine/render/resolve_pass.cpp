@@ -82,8 +82,8 @@ void ResolvePass::record(VkCommandBuffer commands, const Pass& pass, const Bindi
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline(pass));
   const VkDescriptorSet set = binding.get();
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set, 0, nullptr);
-  const auto groups = [](std::uint32_t pixels) { return (pixels + SIMVIS_RESOLVE_GROUP - 1) / SIMVIS_RESOLVE_GROUP; };
-  vkCmdDispatch(commands, groups(pass.width_px), groups(pass.height_px), 1);
+  const std::uint32_t groups = (pass.width_px + SIMVIS_RESOLVE_GROUP - 1) / SIMVIS_RESOLVE_GROUP;
+  vkCmdDispatch(commands, groups, pass.height_px, 1);
   const VkImageMemoryBarrier readable = barrier(mean, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                                 VK_ACCESS_SHADER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT);
   vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
