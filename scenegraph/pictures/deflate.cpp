@@ -27,8 +27,4 @@ std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before) {
   return bytes.empty() ? before : libdeflate_crc32(before, bytes.data(), bytes.size());
 }
 
-std::uint32_t adler32_of(std::span<const std::uint8_t> bytes) {
-  return libdeflate_adler32(1, bytes.data(), bytes.size());
-}
-
 }  // namespace simvis

@@ -28,7 +28,4 @@ class SIMVIS_PROGRAM_API Deflater {
 /// The CRC-32 of PNG and MCAP. `before` is that of the bytes in front of these.
 std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0);
 
-/// The Adler-32 at the end of a stream of zlib's format.
-std::uint32_t adler32_of(std::span<const std::uint8_t> bytes);
-
 }  // namespace simvis

@@ -5,7 +5,6 @@
 
 #include "engine/base/assert.h"
 #include "scenegraph/pictures/deflate.h"
-#include "scenegraph/pictures/fast_zlib.h"
 
 namespace simvis {
 namespace {
@@ -64,8 +63,7 @@ std::string png_bytes(const PngLayout& layout, std::span<const std::uint8_t> row
   header += {0, 0, 0};  // deflate, the standard filters, not interlaced
   std::string png = "\x89PNG\r\n\x1a\n";
   append_chunk(png, "IHDR", header);
-  const std::vector<std::uint8_t> bytes = filtered(layout, rows);
-  append_chunk(png, "IDAT", layout.filter == PngFilter::paeth ? fast_zlib_of(bytes) : Deflater().zlib_of(bytes));
+  append_chunk(png, "IDAT", Deflater().zlib_of(filtered(layout, rows)));
   append_chunk(png, "IEND", "");
   return png;
 }

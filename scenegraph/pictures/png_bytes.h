@@ -10,8 +10,7 @@
 namespace simvis {
 
 /// The filters of PNG that are used: the difference of a byte to the one above, or to Paeth's prediction from the
-/// bytes to the left, above, and above left. `paeth` is for images of cameras, whose
-/// bytes hardly repeat, and goes with fast_zlib_of(); `up` is for masks and distances, and goes with a Deflater.
+/// bytes to the left, above, and above left.
 enum class PngFilter : std::uint8_t { up = 2, paeth = 4 };
 
 struct PngLayout {
