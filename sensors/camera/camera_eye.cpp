@@ -524,12 +524,12 @@ void CameraEye::add_to(Measurement& measurement) const {
   if (layers_) layers_->add_to(measurement, desc_.prefix, desc_.view);
 }
 
-void CameraEye::archive(StateArchive& state) {
+void CameraEye::archive(StateArchive& state, const CameraEye* beside) {
   state(before_, last_);
   // Of a frame that failed, both are the one before; the next frame comes behind it.
   state.require(!before_ || (last_ && before_->time_ns <= last_->time_ns));
   state.require(!before_ || !state.is_reading() || before_->time_ns <= state.last_ns());
-  if (flow_) flow_->archive(state);
+  if (flow_) flow_->archive(state, beside == nullptr ? nullptr : &*beside->flow_);
   for (const ChosenCameraEffect& each : desc_.effects) {
     if (auto* const own = dynamic_cast<Stateful*>(std::const_pointer_cast<CameraEffect>(each.effect).get())) {
       own->archive(state);

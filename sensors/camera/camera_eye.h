@@ -55,8 +55,8 @@ class CameraEye {
   SensorNeeds needs() const;
   void begin(const FrameTime& time);
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_camera);
-  /// As that of Stateful.
-  void archive(StateArchive& state);
+  /// As that of Stateful. `beside` is another eye of the same camera, which the state has before; null: there is none.
+  void archive(StateArchive& state, const CameraEye* beside = nullptr);
 
   /// Views of one kind in the plan of a frame: they fill a pass for each of CameraViews::pass_size_px.
   struct Drawing {

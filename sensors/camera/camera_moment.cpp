@@ -63,6 +63,14 @@ void archive_scene(StateArchive& state, std::shared_ptr<const KeptScene>& scene)
   if (state.is_reading()) scene = {archived, &kept};
 }
 
+void archive_moment(StateArchive& state, std::optional<CameraMoment>& moment, const CameraMoment* beside) {
+  bool is_there = moment.has_value();
+  state(is_there);
+  if (!is_there) return moment.reset();
+  if (!moment) moment.emplace();
+  moment->archive(state, beside == nullptr ? nullptr : beside->scene);
+}
+
 }  // namespace
 
 std::shared_ptr<const KeptScene> SceneKeeper::keep(const SensedScene& scene, std::span<const ItemMove> moves) {
@@ -108,17 +116,21 @@ void PosedRows::archive(StateArchive& state) {
   state.require(share <= 0);
 }
 
-void CameraMoment::archive(StateArchive& state) {
+void CameraMoment::archive(StateArchive& state, const std::shared_ptr<const KeptScene>& known) {
   state(time_ns, rows);
   state.require_past(time_ns);
-  archive_scene(state, scene);
+  bool is_known = known != nullptr && scene == known;
+  state(is_known);
+  if (!is_known) return archive_scene(state, scene);
+  state.require(known != nullptr);
+  scene = known;
 }
 
-void MomentHistory::archive(StateArchive& state) {
-  state(now_);
+void MomentHistory::archive(StateArchive& state, const MomentHistory* beside) {
+  archive_moment(state, now_, beside == nullptr ? nullptr : beside->now());
   const bool is_made_again = now_ && now_->time_ns > state.last_ns();
   if (is_made_again) {
-    state(before_);
+    archive_moment(state, before_, beside == nullptr ? nullptr : beside->before());
     state.require(!before_ || before_->time_ns < now_->time_ns);
   } else if (state.is_reading()) {
     before_.reset();

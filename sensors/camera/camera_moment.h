@@ -68,8 +68,9 @@ struct CameraMoment {
   /// The rows that have this height in the image, or are nearest to it.
   std::size_t rows_at(double y_px) const;
 
-  /// The scene of a moment that is read is as rays meet it, see archive_surfaces().
-  void archive(StateArchive& state);
+  /// The scene of a moment that is read is as rays meet it, see archive_surfaces(). `known` is a scene that the state
+  /// has before, or null: it is not written again.
+  void archive(StateArchive& state, const std::shared_ptr<const KeptScene>& known);
 };
 
 /// The moment of a sensor's frame and of the one before, in which it was due.
@@ -81,8 +82,9 @@ class MomentHistory {
   const CameraMoment* before() const { return before_ ? &*before_ : nullptr; }
 
   /// The next frame is compared with now(), unless it makes the frame of now() again, which failed: before() is a part
-  /// of the state only then.
-  void archive(StateArchive& state);
+  /// of the state only then. `beside` is the history of another eye of the same camera, which the state has before;
+  /// null: there is none.
+  void archive(StateArchive& state, const MomentHistory* beside);
 
  private:
   std::optional<CameraMoment> now_, before_;

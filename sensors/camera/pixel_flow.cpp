@@ -120,8 +120,8 @@ PixelFlow::PixelFlow(const FlowDesc& desc, const CameraLayout& layout, const Cam
           "no flow; expected another effect, or outputs without flow");
 }
 
-void PixelFlow::archive(StateArchive& state) {
-  state(history_);
+void PixelFlow::archive(StateArchive& state, const PixelFlow* beside) {
+  history_.archive(state, beside == nullptr ? nullptr : &beside->history_);
   for (const CameraMoment* const each : {history_.now(), history_.before()}) {
     if (each != nullptr) require_rows(state, *each);
   }

@@ -67,8 +67,9 @@ class PixelFlow {
     skipped_ns_ = now.time_ns;
     history_.add(std::move(now));
   }
-  /// As that of Stateful. Of cast images the surfaces are no part of it: they are cast again.
-  void archive(StateArchive& state);
+  /// As that of Stateful. Of cast images the surfaces are no part of it: they are cast again. `beside` is the flow of
+  /// another eye of the same camera, which the state has before, with its scenes; null: there is none.
+  void archive(StateArchive& state, const PixelFlow* beside);
   /// Adds the rays of this image, beyond those through the centres of its pixels. `name` is that of the sensor.
   void plan(const std::string& name, bool drawn, FramePlan& plan) const;
 

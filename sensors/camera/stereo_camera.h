@@ -61,7 +61,7 @@ class StereoCamera : public Sensor, public Stateful {
   void begin(const FrameTime& time) override;
   void archive(StateArchive& state) override {
     left_.archive(state);
-    right_.archive(state);
+    right_.archive(state, &left_);
   }
   bool shows_splats() const override { return left_.shows_splats() || right_.shows_splats(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;

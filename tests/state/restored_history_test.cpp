@@ -225,6 +225,24 @@ TEST_CASE("flow goes on to the bit, also if frames are skipped") {
   }
 }
 
+TEST_CASE("the eyes of a stereo camera save their scene once") {
+  constexpr int kBoxes = 300;
+  std::string boxes;
+  for (int i = 0; i < kBoxes; ++i) {
+    boxes += "<part name='B" + std::to_string(i) + "' insert_at='ROOT' shape='box' size='1 1 1' pose_offset='" +
+             std::to_string(i) + " 0 0 0 0 0'/>";
+  }
+  const auto size_with = [&](const std::string& type) {
+    Simulation simulation =
+        Simulation::from_string("<s>" + boxes + "<sensor type='" + type +
+                                "' name='C' insert_at='ROOT' outputs='flow_backward normal' " + kSize + "/></s>");
+    simulation.step();
+    return simulation.save_state().size();
+  };
+  CHECK(size_with("stereo_camera") <
+        size_with("camera") + kBoxes * sizeof(glm::dmat4) / 2);  // a box has a place each time
+}
+
 // Nothing is left of the frames that followed the state before.
 TEST_CASE("flow goes on in another way than before") {
   std::vector<Situation> ways = situations();
