@@ -74,9 +74,8 @@ void SimulationImpl::warn_of_unseen_splats(const ViewLayer& layer) {
     if (entry.end_pass == entry.first_pass && entry.end_cast == entry.first_cast) continue;
     if ((find_sensor_type(sensor.type)->capabilities & kSeesSplats) != 0 || !has_splats(*layer.list)) continue;
     warn(to_string(sensor.command.where) + ": sensor " + in_quotes(sensor.name) +
-         " does not see the Gaussian splats of the scene; cameras, stereo cameras, laser scanners, range sensors, "
-         "sonars, "
-         "radars and time-of-flight cameras do");
+         " does not see the Gaussian splats of the scene; cameras, stereo, RGB-D and time-of-flight cameras, laser "
+         "scanners, range and distance sensors, sonars and radars do");
   }
 }
 

@@ -139,8 +139,7 @@ class CameraEye {
   void keep_drawn_depth();
   void add_splats(unsigned threads);
   bool may_show_splats() const {
-    return desc_.sees_splats && !paths_ &&
-           (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
+    return !paths_ && (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
   }
   bool reads_depth() const {
     return desc_.depth || looks_at_splats_ || (desc_.disparity() && optics_.resamples() && !optics_.rays);

@@ -10,21 +10,25 @@
 
 namespace simvis {
 
-CameraSplats::CameraSplats(const CameraLayout& layout, const CameraViews& views, double near_m)
-    : rays_(layout, views, near_m), width_px_(layout.width_px) {}
-
-void CameraSplats::plan(const DrawList& list, const std::string& title, const std::string& sensor,
-                        FramePlan& plan) const {
+void plan_splat_rays(const DrawList& list, const std::string& rays, std::uint64_t max_rays, const std::string& sensor,
+                     FramePlan& plan) {
   std::uint64_t splats = 0;
   for (const DrawItem& item : list.items) {
     const auto& cloud = list.meshes[item.mesh]->splats;
     if (item.visible && cloud != nullptr) splats += cloud->splats.size();
   }
   plan.casts.push_back({.name = sensor,
-                        .reason = "the centre of each pixel of " + title + ", through " + std::to_string(splats) +
-                                  " Gaussian splats, on the host",
-                        .max_rays = rays_.directions().size()});
+                        .reason = rays + ", through " + std::to_string(splats) + " Gaussian splats, on the host",
+                        .max_rays = max_rays});
   plan.effects.push_back({sensor, "gaussian_splats", std::string(find_effect_type("gaussian_splats")->source)});
+}
+
+CameraSplats::CameraSplats(const CameraLayout& layout, const CameraViews& views, double near_m)
+    : rays_(layout, views, near_m), width_px_(layout.width_px) {}
+
+void CameraSplats::plan(const DrawList& list, const std::string& title, const std::string& sensor,
+                        FramePlan& plan) const {
+  plan_splat_rays(list, "the centre of each pixel of " + title, rays_.directions().size(), sensor, plan);
 }
 
 // Depths are along the axis, behind the camera negative.
@@ -83,6 +87,17 @@ void CameraSplats::add_to_truth(PixelTruth& truth, const IdentifiedList& world) 
     const SplatSight& sight = sights_[pixel];
     if (sight.half_item == kNoItem) continue;
     truth.cover(pixel, sight.half_item, sight.half_m, rays_.directions()[pixel], world);
+  }
+}
+
+void CameraSplats::add_to_surfaces(std::span<SeenSurface> seen) const {
+  for (std::size_t pixel = 0; pixel < sights_.size(); ++pixel) {
+    const SplatSight& sight = sights_[pixel];
+    if (sight.half_item == kNoItem) continue;
+    seen[pixel] = {.item = sight.half_item,
+                   .range_m = sight.half_m,
+                   .error_bound_m = std::numeric_limits<double>::infinity(),
+                   .normal = -rays_.directions()[pixel]};
   }
 }
 

@@ -18,6 +18,11 @@
 
 namespace simvis {
 
+/// Lists rays through the splats of a list in the plan. `rays` names them for people: "the centre of each pixel of
+/// camera CAM".
+void plan_splat_rays(const DrawList& list, const std::string& rays, std::uint64_t max_rays, const std::string& sensor,
+                     FramePlan& plan);
+
 class CameraSplats {
  public:
   /// `views` are those of the layout.
@@ -30,11 +35,12 @@ class CameraSplats {
   /// drawn.
   void look(const DrawList& list, std::span<const PixelRows> rows, const Image& depth, unsigned threads);
 
-  /// Change images of the surfaces that look() got.
+  /// Change images of the surfaces that look() got, or these surfaces by pixel.
   void add_to_color(Image& color) const;
   void add_to_depth(Image& depth) const;
   void add_to_disparity(Image& disparity, double disparity_times_depth) const;
   void add_to_truth(PixelTruth& truth, const IdentifiedList& world) const;
+  void add_to_surfaces(std::span<SeenSurface> seen) const;
 
   /// Whether a pixel of the last look() has a splat's colour.
   bool in_color() const;

@@ -34,7 +34,6 @@ struct EyeDesc {
   TruthDesc truth{};
   ColorSampling sampling{};
   PathSampling paths{};  ///< of colour
-  bool sees_splats = true;
   bool at_once = false;  ///< all rows and samples are taken at the frame's time, whatever effects say
   std::vector<ChosenCameraEffect> effects{};
   std::uint64_t seed = 0;  ///< of paths

@@ -6,6 +6,9 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "engine/base/thread_pool.h"
+#include "engine/draw/splat_item.h"
+#include "engine/splats/splat_rays.h"
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/pixel_truth.h"
@@ -15,7 +18,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::uint8_t kRgbdCameraCapabilities = kHasImageSensor | kHasLens;
+constexpr std::uint8_t kRgbdCameraCapabilities = kHasImageSensor | kHasLens | kSeesSplats;
 
 std::vector<OutputSpec> rgbd_camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
@@ -58,7 +61,6 @@ EyeDesc color_eye_of(const std::string& name, const RgbdCameraDesc& desc) {
           .pinhole = desc.pinhole,
           .color = desc.color,
           .sampling = desc.sampling,
-          .sees_splats = false,
           .effects = desc.effects};
 }
 
@@ -120,12 +122,18 @@ void RgbdCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list,
   eye_.begin_plan(world_from_sensor);
   for (std::size_t i = 0; i < eye_.drawings().size(); ++i) eye_.draw(i, plan);
   eye_.finish_plan(plan);
-  if (casts()) {
-    plan.casts.push_back({.name = name_,
-                          .reason = "the centre of each pixel of RGB-D camera " + name_ + ", from both viewpoints",
-                          .max_rays = 2 * std::uint64_t{desc_.pinhole.width_px} * desc_.pinhole.height_px});
-  }
+  if (casts()) plan_casts(list, plan);
   plan_effects(name_, desc_.effects, plan);
+}
+
+void RgbdCamera::plan_casts(const DrawList& list, FramePlan& plan) {
+  const std::string rays = "the centre of each pixel of RGB-D camera " + name_ + ", from both viewpoints";
+  const std::uint64_t max_rays = 2 * std::uint64_t{desc_.pinhole.width_px} * desc_.pinhole.height_px;
+  plan.casts.push_back({.name = name_, .reason = rays, .max_rays = max_rays});
+  looks_at_splats_ = has_splats(list);
+  if (!looks_at_splats_) return;
+  if (!splats_) splats_.emplace(optics_.layout, optics_.views, desc_.pinhole.near_m);
+  plan_splat_rays(list, rays, max_rays, name_, plan);
 }
 
 void RgbdCamera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
@@ -135,21 +143,31 @@ void RgbdCamera::collect(const FrameTime& time, const FramePlan& plan, std::span
 }
 
 void RgbdCamera::cast(RayCaster& caster) {
+  eye_.cast(caster);
   if (!casts()) return;
   const PixelRows rows{.count = desc_.pinhole.height_px,
                        .world_from_view = moment_.world_from_sensor * sensor_from_view()};
+  cast_first(caster, rows);
+  cast_second(caster, rows.world_from_view);
+  measure();
+  measured_ = moment_;
+}
+
+// The surfaces of all pixels, and their depths.
+void RgbdCamera::cast_first(RayCaster& caster, const PixelRows& rows) {
   seen_.assign(rays_.directions().size(), {});
   rays_.begin(*world_.drawn);
   rays_.cast(caster, rows, seen_);
-  cast_second(caster, rows.world_from_view);
   depth_.width = desc_.pinhole.width_px;
   depth_.height = desc_.pinhole.height_px;
   depth_.channels = 1;
   std::vector<float>& depth = depth_.pixels.overwrite();
   depth.resize(seen_.size());
   bound_m_ = cast_depth(rows, rays_.directions(), seen_, desc_.pinhole.width_px, depth);
-  measure();
-  measured_ = moment_;
+  if (!looks_at_splats_) return;
+  splats_->look(*world_.drawn, std::span(&rows, 1), depth_, caster.threads());
+  splats_->add_to_surfaces(seen_);
+  if (splats_->in_depth()) bound_m_ = std::numeric_limits<double>::infinity();
 }
 
 // Whether the image of the second viewpoint has the point; view frame of the first one.
@@ -168,35 +186,72 @@ bool RgbdCamera::in_second_image(const glm::dvec3& point_m) const {
 
 // States of all pixels before their depths are measured.
 void RgbdCamera::cast_second(RayCaster& caster, const glm::dmat4& world_from_view) {
-  constexpr double kTouching = 1e-6;  // of the distance, see Limits
-  const glm::dvec3 second_m(desc_.baseline_m, 0, 0);
-  std::vector<std::uint32_t> pixels;
-  std::vector<glm::dvec3> directions;
-  std::vector<double> distances_m, near_m;  // near_m: ranges of `near` along the rays of the second viewpoint
+  const glm::dmat4 world_from_second = glm::translate(world_from_view, second_m());
+  Sights sights = second_sights();
+  sights.hits.resize(sights.pixels.size());
+  caster.cast(world_from_second, sights.directions, sights.hits, sights.near_m);
+  if (looks_at_splats_) stop_at_splats(world_from_second, caster.threads(), sights);
+  for (std::size_t i = 0; i < sights.pixels.size(); ++i) {
+    states_[sights.pixels[i]] = is_hidden(sights, i) ? State::hidden : State::measured;
+  }
+}
+
+// Sets the states of the pixels that have none.
+RgbdCamera::Sights RgbdCamera::second_sights() {
+  Sights sights;
   states_.assign(seen_.size(), State::nothing);
   for (std::uint32_t pixel = 0; pixel < seen_.size(); ++pixel) {
     if (seen_[pixel].item == kNoItem) continue;
     const glm::dvec3 point_m = seen_[pixel].range_m * rays_.directions()[pixel];
     states_[pixel] = State::outside;
     if (!in_second_image(point_m)) continue;
-    pixels.push_back(pixel);
-    distances_m.push_back(glm::distance(point_m, second_m));
-    directions.push_back((point_m - second_m) / distances_m.back());
-    near_m.push_back(desc_.pinhole.near_m / directions.back().z);
+    sights.pixels.push_back(pixel);
+    sights.distances_m.push_back(glm::distance(point_m, second_m()));
+    sights.directions.push_back((point_m - second_m()) / sights.distances_m.back());
+    sights.near_m.push_back(desc_.pinhole.near_m / sights.directions.back().z);
   }
-  std::vector<RayHit> hits(pixels.size());
-  caster.cast(glm::translate(world_from_view, second_m), directions, hits, near_m);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const bool hidden = hits[i].range_m < (1 - kTouching) * distances_m[i];
-    states_[pixels[i]] = hidden ? State::hidden : State::measured;
+  return sights;
+}
+
+// Replaces hits by the splats before them at which half of the light is left. Rays are given by pixel, as those of
+// neighbours are looked at together.
+void RgbdCamera::stop_at_splats(const glm::dmat4& world_from_second, unsigned threads, Sights& sights) const {
+  std::vector<glm::dvec3> directions(seen_.size(), glm::dvec3(0));
+  std::vector<double> near_m(seen_.size()), end_m(seen_.size());
+  for (std::size_t i = 0; i < sights.pixels.size(); ++i) {
+    directions[sights.pixels[i]] = sights.directions[i];
+    near_m[sights.pixels[i]] = sights.near_m[i];
+    end_m[sights.pixels[i]] = sights.hits[i].range_m;
   }
+  std::vector<SplatSight> seen(seen_.size());
+  see_through(see_splats(*world_.drawn, world_from_second, {}), {desc_.pinhole.width_px, directions, near_m, end_m},
+              *shared_thread_pool(threads), seen);
+  for (std::size_t i = 0; i < sights.pixels.size(); ++i) {
+    const SplatSight& sight = seen[sights.pixels[i]];
+    if (sight.half_item != kNoItem) sights.hits[i] = {.range_m = sight.half_m, .item = sight.half_item};
+  }
+}
+
+// Whether the second viewpoint sees something else than the surface of the pixel.
+bool RgbdCamera::is_hidden(const Sights& sights, std::size_t ray) const {
+  constexpr double kTouching = 1e-6;  // of the distance, see Limits
+  constexpr double kSame_px = 1;      // of disparity, see Splats
+  const RayHit& hit = sights.hits[ray];
+  const double distance_m = sights.distances_m[ray];
+  const auto is_splat = [&](std::uint32_t item) { return is_splat_item(*world_.drawn, item); };
+  if (!std::isfinite(hit.range_m)) return is_splat(seen_[sights.pixels[ray]].item);
+  if (!is_splat(seen_[sights.pixels[ray]].item) && !is_splat(hit.item)) {
+    return hit.range_m < (1 - kTouching) * distance_m;
+  }
+  const double per_range = disparity_times_depth() / sights.directions[ray].z;
+  return std::abs(per_range / hit.range_m - per_range / distance_m) > kSame_px;
 }
 
 // With the errors of its disparity; not above 0: the disparity is not.
 double RgbdCamera::measured_depth(std::size_t pixel) const {
   const double z_m = seen_[pixel].range_m * rays_.directions()[pixel].z;
   if (desc_.disparity_noise_px == 0 && desc_.disparity_step_px == 0) return z_m;
-  const double scale = optics_.layout.pinhole.fx_px * desc_.baseline_m;
+  const double scale = disparity_times_depth();
   double disparity_px = scale / z_m;
   if (desc_.disparity_noise_px > 0) {
     disparity_px +=

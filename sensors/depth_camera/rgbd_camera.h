@@ -18,11 +18,19 @@
 //          the floats that a camera with normals gives.
 // State    0: measured; 1: nothing is seen; 2: hidden from the second viewpoint; 3: outside its image; 4: beyond
 //          depth_min or depth_max, or with a disparity that is not above 0. Where it is not 0, depth is +infinity.
+// Splats   The surface of a pixel, from either viewpoint, is the splat behind which at most half of the light is left,
+// if
+//          it comes before what the ray hits (engine/splats/splat_rays.h). Where the surface of a pixel, or what the
+//          second viewpoint sees in the direction of that surface, is a splat, the pixel is hidden if their disparities
+//          differ by more than a pixel: two viewpoints see the half of a soft cloud at slightly different places.
+//          Splats send their own light: a projected pattern is taken to be seen on them as on any surface.
 // Effects  Those of the image sensor affect colour alone.
 // Lens     That of the first viewpoint is also that of the second one, unless it has a field of view of its own, which
 //          is that of a pinhole. Images are not rectified. Disparities are those of the rectified pair, whose pinhole
 //          is that of the calibration, so that only surfaces in front of the viewpoints are measured.
-// Values   value("depth_error_bound_m") bounds the errors of all depths before noise and rounding.
+// Values   value("depth_error_bound_m") bounds the errors of all depths before noise and rounding; +infinity with
+// depths
+//          of splats.
 // Limits   The matching of images is not simulated: no windows, no texture, no interference of projectors. Surfaces
 //          whose distance is below a millionth of that from the second viewpoint do not hide each other.
 #pragma once
@@ -38,6 +46,7 @@
 #include <simvis/sensor.h>
 #include <simvis/state_archive.h>
 #include "sensors/camera/camera_eye.h"
+#include "sensors/camera/camera_splats.h"
 #include "sensors/camera/pixel_optics.h"
 #include "sensors/described_sensor.h"
 
@@ -73,13 +82,29 @@ class RgbdCamera : public Sensor, public Stateful {
   Measurement measurement() const override;
   std::vector<NumberOnRequest> on_request() const override;
   std::string method() const override { return "raycast"; }
+  bool shows_splats() const override { return eye_.shows_splats(); }
 
  private:
   enum class State : std::uint8_t { measured, nothing, hidden, outside, beyond };
 
+  /// Rays of the second viewpoint to the surfaces of pixels, which its image has. All but `pixels` by ray.
+  struct Sights {
+    std::vector<std::uint32_t> pixels;        // ascending
+    std::vector<glm::dvec3> directions;       // view frame, unit length
+    std::vector<double> distances_m, near_m;  // to the surfaces; where `near` is along the rays
+    std::vector<RayHit> hits;
+  };
+
   bool casts() const { return desc_.depth || desc_.state; }
+  glm::dvec3 second_m() const { return {desc_.baseline_m, 0, 0}; }  // view frame
+  void plan_casts(const DrawList& list, FramePlan& plan);
+  void cast_first(RayCaster& caster, const PixelRows& rows);
   void cast_second(RayCaster& caster, const glm::dmat4& world_from_view);
+  Sights second_sights();
+  void stop_at_splats(const glm::dmat4& world_from_second, unsigned threads, Sights& sights) const;
+  bool is_hidden(const Sights& sights, std::size_t ray) const;
   bool in_second_image(const glm::dvec3& point_m) const;
+  double disparity_times_depth() const { return optics_.layout.pinhole.fx_px * desc_.baseline_m; }
   double measured_depth(std::size_t pixel) const;
   void measure();
 
@@ -90,7 +115,9 @@ class RgbdCamera : public Sensor, public Stateful {
   EyeWorld world_;
   CameraEye eye_;
   PixelRays rays_;
-  Pinhole second_;  // of the second viewpoint, unless it has the lens of the first
+  std::optional<CameraSplats> splats_;  // of depth from the first viewpoint; made when first needed
+  bool looks_at_splats_ = false;        // in this frame, for depth
+  Pinhole second_;                      // of the second viewpoint, unless it has the lens of the first
   SensorRandom random_;
   std::vector<SeenSurface> seen_;   // by pixel
   std::vector<State> states_;       // by pixel

@@ -1,10 +1,15 @@
 #include "sensors/psd/psd.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include <simvis/effect.h>
 #include <simvis/pose.h>
+#include "engine/base/thread_pool.h"
+#include "engine/splats/splat_rays.h"
+#include "sensors/camera/camera_splats.h"
 
 namespace simvis {
 
@@ -44,6 +49,7 @@ const SensorRegistration kPsdRegistration(
      .notes = "The sensor measures along +x, from a small depth image of its cone; sensors/psd/psd.h says how. The "
               "reading does not depend on the colour or the slant of the surface. A curve of points is linear in 1 / "
               "range between its points.",
+     .capabilities = kSeesSplats,
      .message = "sensor_msgs/msg/Range",
      .attributes = rows_of<PsdDesc>().table(),
      .create = create_psd,
@@ -100,30 +106,80 @@ void Psd::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FrameP
                          .depth = true,
                          .views = {}});
   plan.passes.back().views.push_back(std::move(view));
+  list_ = &list;
+  looks_at_splats_ = has_splats(list);
+  shows_splats_ = false;
+  if (!looks_at_splats_) return;
+  plan_splat_rays(list, "the pixels of distance sensor " + name_,
+                  std::uint64_t{desc_.resolution_px} * desc_.resolution_px, name_, plan);
+}
+
+void Psd::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult> results) {
+  time_ = time;
+  const std::span<const float> depth = results[pass_].depth;
+  per_depth_.resize(depth.size());
+  std::ranges::transform(depth, per_depth_.begin(), [](float d) { return static_cast<double>(d) / kNear_m; });
+  if (!looks_at_splats_) measure();
+}
+
+void Psd::cast(RayCaster& caster) {
+  if (!looks_at_splats_) return;
+  stop_at_splats(caster.threads());
+  measure();
+}
+
+// Of the centre of a pixel, on the plane at 1 m.
+glm::dvec2 Psd::place_of(std::size_t pixel) const {
+  const std::size_t x = pixel % desc_.resolution_px, y = pixel / desc_.resolution_px;
+  return {(static_cast<double>(x) + 0.5 - pinhole_.cx_px) / pinhole_.fx_px,
+          (static_cast<double>(y) + 0.5 - pinhole_.cy_px) / pinhole_.fy_px};
+}
+
+bool Psd::is_in_cone(const glm::dvec2& place) const {
+  const double rim = std::tan(desc_.opening_rad / 2);
+  return place.x * place.x + place.y * place.y <= rim * rim;
+}
+
+// Replaces what is drawn by the splats before it.
+void Psd::stop_at_splats(unsigned threads) {
+  const std::size_t pixels = per_depth_.size();
+  std::vector<glm::dvec3> directions(pixels, glm::dvec3(0));  // none outside of the cone
+  std::vector<double> near_m(pixels), end_m(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const glm::dvec2 place = place_of(i);
+    if (!is_in_cone(place)) continue;
+    directions[i] = glm::normalize(glm::dvec3(place, 1));
+    near_m[i] = kNear_m / directions[i].z;
+    end_m[i] = 1 / (per_depth_[i] * directions[i].z);
+  }
+  std::vector<SplatSight> sights(pixels);
+  see_through(see_splats(*list_, world_from_sensor() * sensor_from_view(), {}),
+              {desc_.resolution_px, directions, near_m, end_m}, *shared_thread_pool(threads), sights);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (sights[i].half_item == kNoItem) continue;
+    per_depth_[i] = 1 / (sights[i].half_m * directions[i].z);
+    shows_splats_ = true;
+  }
 }
 
 // With c the cosine of a pixel's angle from the axis, its solid angle is proportional to c^3, and 1 / r = c / Z.
-double Psd::range_of(std::span<const float> depth) const {
-  const double rim = std::tan(desc_.opening_rad / 2);
+double Psd::range_of(std::span<const double> per_depth) const {
   double light = 0, moment = 0;
-  for (std::uint32_t y = 0; y < desc_.resolution_px; ++y) {
-    for (std::uint32_t x = 0; x < desc_.resolution_px; ++x) {
-      const double u = (x + 0.5 - pinhole_.cx_px) / pinhole_.fx_px, v = (y + 0.5 - pinhole_.cy_px) / pinhole_.fy_px;
-      if (u * u + v * v > rim * rim) continue;
-      const double per_depth = static_cast<double>(depth[std::size_t{y} * desc_.resolution_px + x]) / kNear_m;
-      const double cosine = 1 / std::sqrt(1 + u * u + v * v);
-      const double returned = std::pow(cosine, 5) * per_depth * per_depth;
-      light += returned;
-      moment += returned * per_depth;
-    }
+  for (std::size_t i = 0; i < per_depth.size(); ++i) {
+    const glm::dvec2 place = place_of(i);
+    if (!is_in_cone(place)) continue;
+    const double cosine = 1 / std::sqrt(1 + place.x * place.x + place.y * place.y);
+    const double returned = std::pow(cosine, 5) * per_depth[i] * per_depth[i];
+    light += returned;
+    moment += returned * per_depth[i];
   }
   return light > 0 ? light / moment : kInfinity;
 }
 
-void Psd::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult> results) {
-  const double range_m = range_of(results[pass_].depth);
-  set_reading(time, {limited_range(desc_.limits, range_m),
-                     curve_.at(range_m) + desc_.noise_v * random_.gaussian(random_key(time), 0, 0)});
+void Psd::measure() {
+  const double range_m = range_of(per_depth_);
+  set_reading(time_, {limited_range(desc_.limits, range_m),
+                      curve_.at(range_m) + desc_.noise_v * random_.gaussian(random_key(time_), 0, 0)});
 }
 
 }  // namespace simvis

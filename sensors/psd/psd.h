@@ -14,6 +14,8 @@
 //          run over the pixels of a small depth view whose centres lie in the cone.
 //          Colour and slope of the surface have no effect, ambient light does not disturb, and any amount of light is
 //          enough.
+// Splats   A pixel shows the Gaussian splat behind which at most half of the light is left, if it comes before what is
+//          drawn (engine/splats/splat_rays.h): it returns light as any surface does.
 // Voltage  The voltage follows the curve of a data sheet, see voltage_curve.h; noise is then added without clipping.
 // Values   value("range_m") is the range along the axis in metres, before noise; 0 if it is below range_min, +infinity
 //          if it is above range_max or nothing is hit. value("voltage_v") is the output voltage, whether or not the
@@ -22,6 +24,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <simvis/philox.h>
 #include <simvis/reading_sensor.h>
@@ -48,17 +51,27 @@ class Psd : public ReadingSensor {
   bool draws() const override { return true; }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  void cast(RayCaster& caster) override;
   std::string method() const override { return "centroid"; }
+  bool shows_splats() const override { return shows_splats_; }
 
  private:
-  double range_of(std::span<const float> depth) const;
+  bool is_in_cone(const glm::dvec2& place) const;
+  glm::dvec2 place_of(std::size_t pixel) const;
+  void stop_at_splats(unsigned threads);
+  double range_of(std::span<const double> per_depth) const;
+  void measure();
 
   std::string name_;
   PsdDesc desc_;
   VoltageCurve curve_;
   SensorRandom random_;
   Pinhole pinhole_;
-  std::size_t pass_ = 0;  // in this frame's plan
+  const DrawList* list_ = nullptr;  // of this frame, as all that follows
+  FrameTime time_;
+  std::size_t pass_ = 0;  // in the plan
+  bool looks_at_splats_ = false, shows_splats_ = false;
+  std::vector<double> per_depth_;  // 1 / Z of each pixel in 1/m
 };
 
 }  // namespace simvis

@@ -256,10 +256,10 @@ TEST_CASE("a stereo camera: both views, and the disparity of the splat") {
 
 TEST_CASE("a sensor that does not see splats says so once, and measures as without them") {
   const std::string sensor =
-      "<sensor type='rgbd_camera' name='CAM' insert_at='ROOT' width='20' height='10' outputs='depth'/>";
+      "<sensor type='thermal_camera' name='CAM' insert_at='ROOT' width='20' height='10' outputs='temperature'/>";
   SplatScene plain(kWall + sensor), seen(kWall + kCloud + sensor);
   seen.simulation().step();
-  CHECK(same_pixels(plain.image("depth"), seen.image("depth")));
+  CHECK(same_pixels(plain.image("temperature"), seen.image("temperature")));
   CHECK(plain.simulation().warnings().empty());
   REQUIRE(seen.simulation().warnings().size() == 1);
   CHECK(contains(seen.simulation().warnings()[0], "sensor \"CAM\" does not see the Gaussian splats of the scene"));

@@ -138,6 +138,46 @@ TEST_CASE("range sensors, sonars, radars and time-of-flight cameras see the spla
   CHECK(near > 10);
 }
 
+// The formula of sensors/psd/psd.h for surfaces that face the sensor: a disc without thickness before a wall.
+double distance_of_disc(double disc_m, double radius_m, double wall_m, double opening_rad, int resolution_px) {
+  const double rim = std::tan(opening_rad / 2);
+  double light = 0, moment = 0;
+  for (int pixel = 0; pixel < resolution_px * resolution_px; ++pixel) {
+    const double u = ((pixel % resolution_px + 0.5) * 2 / resolution_px - 1) * rim,
+                 v = ((pixel / resolution_px + 0.5) * 2 / resolution_px - 1) * rim, square = u * u + v * v;
+    if (square > rim * rim) continue;
+    const double depth_m = std::sqrt(square) * disc_m < radius_m ? disc_m : wall_m;
+    const double returned = std::pow(1 + square, -2.5) / (depth_m * depth_m);
+    light += returned;
+    moment += returned / depth_m;
+  }
+  return light / moment;
+}
+
+TEST_CASE("a distance sensor sees a flat splat as a disc with the radius at which half of the light is left") {
+  constexpr double kDisc_m = 0.3, kWall_m = 0.6, kSigma_m = 0.02;
+  const double radius_m = kSigma_m * std::sqrt(2 * std::log(0.9 / 0.5));
+  const std::string wall =
+      "<part name='WALL' insert_at='ROOT' shape='box' size='0.2 4 4' pose_offset='0.7 0 0 0 0 0'/>";
+  const auto range_m = [&](const std::string& scene, double at_m) {
+    const Simulation simulation =
+        with_splats(scene + "<sensor type='psd' name='PSD' insert_at='ROOT' opening='20' resolution='64'/>",
+                    {{.center_m = {at_m, 0, 0}, .sigma_m = {1e-6, kSigma_m, kSigma_m}, .opacity = 0.9}});
+    CHECK(simulation.warnings().empty());
+    return simulation.value("PSD", "range_m");
+  };
+  constexpr double kDepth = 1e-6;  // the wall's depth is drawn in float32, the disc's centre is float32
+  const double both_m = distance_of_disc(kDisc_m, radius_m, kWall_m, glm::radians(20.0), 64);
+  CHECK(both_m < 0.9 * kWall_m);
+  CHECK(both_m > 1.1 * kDisc_m);
+  CHECK(range_m(wall + kBush, kDisc_m) == doctest::Approx(both_m).epsilon(kDepth));
+  CHECK(range_m(kBush, kDisc_m) == doctest::Approx(kDisc_m).epsilon(kDepth));
+  // Behind the wall, behind the sensor, and nearer than 1 mm.
+  for (const double at_m : {0.8, -0.3, 0.0009}) {
+    CHECK(range_m(wall + kBush, at_m) == range_m(wall, at_m));
+  }
+}
+
 // Two thin splats before and behind a place at 2 m: 0.6 of the light is left behind the first one, 0.36 behind both.
 std::vector<FileSplat> two_splats(double first_m) {
   const auto thin = [](double range_m) {
