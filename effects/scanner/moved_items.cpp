@@ -91,7 +91,7 @@ bool comes_near(const BeamRay& ray, const Ball& ball) {
 
 // A world with one item, and a caster that keeps its tree.
 struct MovedItems::OneMesh {
-  explicit OneMesh(const std::shared_ptr<const Mesh>& mesh) : caster(make_host_ray_caster()) {
+  OneMesh(const std::shared_ptr<const Mesh>& mesh, unsigned threads) : caster(make_host_ray_caster({}, threads)) {
     list.items = {DrawItem{}};
     list.world_from_node.resize(1);
     list.meshes = {mesh};
@@ -128,7 +128,7 @@ void MovedItems::cast(const ScanContext& context, const DrawList& list, std::spa
     const DrawItem& item = list.items[move.item];
     const Mesh& mesh = *list.meshes[item.mesh];
     const bool is_hit = mesh.topology == Topology::triangles || is_solid_cloud(mesh);
-    if (item.visible && is_hit) meet(context, list, move, rays, hits);
+    if (item.visible && is_hit) meet(context, list, move, rays, caster.threads(), hits);
   }
 }
 
@@ -161,7 +161,7 @@ void MovedItems::cast_behind_moved(const ScanContext& context, std::span<const B
 }
 
 void MovedItems::meet(const ScanContext& context, const DrawList& list, const ItemMove& move,
-                      std::span<const BeamRay> rays, std::span<RayHit> hits) {
+                      std::span<const BeamRay> rays, unsigned threads, std::span<RayHit> hits) {
   const DrawItem& item = list.items[move.item];
   const std::shared_ptr<const Mesh>& mesh = list.meshes[item.mesh];
   const glm::dmat4& world_from_mesh = list.world_from_node[item.transform];
@@ -185,7 +185,7 @@ void MovedItems::meet(const ScanContext& context, const DrawList& list, const It
   }
   if (near.empty()) return;
   std::unique_ptr<OneMesh>& one = meshes_[mesh.get()];
-  if (one == nullptr) one = std::make_unique<OneMesh>(mesh);
+  if (one == nullptr) one = std::make_unique<OneMesh>(mesh, threads);
   one->list.world_from_node[0] = world_from_mesh;
   one->list.materials[0] = list.materials[item.material];
   one->caster->set_world(one->list);

@@ -42,7 +42,7 @@ class MovedItems {
   void cast_behind_moved(const ScanContext& context, std::span<const BeamRay> rays, RayCaster& caster,
                          std::span<RayHit> hits);
   void meet(const ScanContext& context, const DrawList& list, const ItemMove& move, std::span<const BeamRay> rays,
-            std::span<RayHit> hits);
+            unsigned threads, std::span<RayHit> hits);
 
   std::vector<bool> has_moved_;                                       // by item
   std::unordered_map<const Mesh*, std::unique_ptr<OneMesh>> meshes_;  // with a tree

@@ -121,7 +121,7 @@ void Camera::cast(RayCaster& of_list) {
   eye_.cast(world_.layers.caster(of_list));
   if (!desc_.truth.boxes) return;
   objects_.begin();
-  eye_.add_objects(objects_, 0);
+  eye_.add_objects(objects_, 0, of_list.threads());
 }
 
 Measurement Camera::measurement() const {

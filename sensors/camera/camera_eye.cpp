@@ -420,7 +420,7 @@ void CameraEye::cast(RayCaster& caster) {
     cast_pixels(caster);
     if (flow_) flow_->cast(caster, *world_.list, *optics_.rays, optics_.seen);
   } else if (flow_) {
-    flow_->complete_drawn();
+    flow_->complete_drawn(caster.threads());
   }
   if (looks_at_splats_) add_splats(caster.threads());
 }
@@ -457,7 +457,7 @@ void CameraEye::cast_pixels(RayCaster& caster) {
   for (const PixelRows& rows : all_rows(moved)) {
     rays.cast(caster, rows, optics_.seen);
     truth_.read(rows, rays.directions(), optics_.seen, world_.identified());
-    if (layers_) layers_->cast(rows, rays);
+    if (layers_) layers_->cast(rows, rays, caster.threads());
     if (reads_depth()) {
       bound_m = std::max(bound_m, cast_depth(rows, rays.directions(), optics_.seen, desc_.pinhole.width_px, depth));
     }
@@ -483,13 +483,14 @@ void CameraEye::add_splats(unsigned threads) {
   if (desc_.truth.of_surfaces()) splats_->add_to_truth(truth_, world_.identified());
 }
 
-void CameraEye::add_objects(ObjectTable& objects, std::size_t view) const {
+void CameraEye::add_objects(ObjectTable& objects, std::size_t view, unsigned threads) const {
   std::vector<std::vector<ItemPlace>> moved;
   const std::vector<PixelRows> rows = all_rows(moved);
   objects.add({.world = world_.identified(),
                .pixels = truth_.items(),
                .rows = rows,
-               .world_from_camera = world_from_camera_ * sensor_from_view()},
+               .world_from_camera = world_from_camera_ * sensor_from_view(),
+               .threads = threads},
               view, *optics_.silhouettes);
 }
 

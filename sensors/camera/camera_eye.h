@@ -85,8 +85,8 @@ class CameraEye {
   void cast(RayCaster& caster);
   /// Whether the last image shows splats; after cast().
   bool shows_splats() const { return looks_at_splats_ && splats_->in_color(); }
-  /// Adds the rows of the table of objects; after cast().
-  void add_objects(ObjectTable& objects, std::size_t view) const;
+  /// Adds the rows of the table of objects, on so many threads; after cast().
+  void add_objects(ObjectTable& objects, std::size_t view, unsigned threads) const;
   /// Adds all images but disparity and silhouettes.
   void add_to(Measurement& measurement) const;
   const Image& disparity() const { return disparity_; }

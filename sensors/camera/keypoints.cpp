@@ -198,7 +198,7 @@ void Keypoints::look(RayCaster& caster, const CameraMoment& moment, std::vector<
       const glm::dmat4& now = list_->world_from_node[list_->items[move.item].transform];
       places.push_back({move.item, place_at(*move.path, posed.share, now)});
     }
-    const DrawList& world = places.empty() ? *list_ : moved_.place(places);
+    const DrawList& world = places.empty() ? *list_ : moved_.place(places, caster.threads());
     std::vector<SeenSurface> seen(directions.size());
     rays_.cast(places.empty() ? caster : moved_.caster(), world, posed.world_from_view, directions, near_range_m, seen);
     for (std::size_t i = first; i < end; ++i) {

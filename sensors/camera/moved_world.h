@@ -20,8 +20,8 @@ class MovedWorld {
   void set(const DrawList& list);
 
   /// The list with these items elsewhere. All calls after one set() have the same items in the same order, or none.
-  /// `threads` of the caster, as those of make_host_ray_caster(), are the same in all calls.
-  const DrawList& place(std::span<const ItemPlace> places, unsigned threads = 0);
+  /// `threads` of the caster are those of the frame's caster, and the same in all calls.
+  const DrawList& place(std::span<const ItemPlace> places, unsigned threads);
 
   /// A caster into the list of the last place().
   RayCaster& caster() { return *caster_; }

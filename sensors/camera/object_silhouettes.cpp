@@ -97,7 +97,8 @@ void PixelSet::add_run(int x_begin, int x_end, int y) {
   pixels += static_cast<std::uint64_t>(x_end - x_begin);
 }
 
-void ObjectSilhouettes::begin(const DrawList& list) {
+void ObjectSilhouettes::begin(const DrawList& list, unsigned threads) {
+  threads_ = threads;
   if (list.meshes == meshes_) return;
   meshes_ = list.meshes;
   std::unordered_set<const Mesh*> there;
@@ -213,7 +214,7 @@ void ObjectSilhouettes::cast(const DrawList& list, std::uint32_t item, const glm
   const DrawItem& whole = list.items[item];
   const std::shared_ptr<const Mesh>& mesh = list.meshes[whole.mesh];
   Alone& alone = alone_[mesh.get()];
-  if (alone.caster == nullptr) alone.caster = make_host_ray_caster();
+  if (alone.caster == nullptr) alone.caster = make_host_ray_caster({}, threads_);
   alone.list.items = {{.mesh = 0, .material = 0, .transform = 1}};
   alone.list.meshes = {mesh};
   alone.list.materials = {list.materials[whole.material]};

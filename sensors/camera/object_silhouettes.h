@@ -48,8 +48,9 @@ class ObjectSilhouettes {
   /// `canvas` must outlive it.
   explicit ObjectSilhouettes(const PixelCanvas& canvas) : canvas_(canvas) {}
 
-  /// Starts a picture of this list. The trees of meshes that it does not have are dropped.
-  void begin(const DrawList& list);
+  /// Starts a picture of this list, whose rays are cast on so many threads. The trees of meshes that it does not have
+  /// are dropped.
+  void begin(const DrawList& list, unsigned threads);
 
   /// What the pixels of the picture show.
   struct Shown {
@@ -91,6 +92,7 @@ class ObjectSilhouettes {
   };
 
   const PixelCanvas& canvas_;
+  unsigned threads_ = 1;
   std::vector<std::shared_ptr<const Mesh>> meshes_;  // of the list
   std::unordered_map<const Mesh*, Alone> alone_;     // of meshes that rays were cast at
   std::uint64_t dropped_meshes_built_ = 0;           // by casters that are no more

@@ -183,7 +183,7 @@ void ObjectTable::begin() {
 }
 
 void ObjectTable::add(const SeenPicture& picture, std::size_t view, ObjectSilhouettes& silhouettes) {
-  silhouettes.begin(picture.world.list);
+  silhouettes.begin(picture.world.list, picture.threads);
   const std::uint32_t width_px = picture.pixels.width_px;
   const std::vector<LabelledObject> objects = labelled(picture);
   const std::vector<std::uint32_t> shown = shown_objects(picture, objects);

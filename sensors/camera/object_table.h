@@ -44,6 +44,7 @@ struct SeenPicture {
   const PixelItems& pixels;
   std::span<const PixelRows> rows;    ///< from the top
   glm::dmat4 world_from_camera{1.0};  ///< V at the time of the frame
+  unsigned threads = 1;               ///< that cast silhouettes; the same for all pictures of a camera
 };
 
 /// The table of one camera.

@@ -303,7 +303,7 @@ void PixelFlow::set(std::span<const std::uint32_t> pixels, std::size_t rows, std
   for (const std::uint32_t pixel : pixels) follow(*backward_, images, rows, pixel, directions[pixel], seen[pixel]);
 }
 
-void PixelFlow::complete_drawn() {
+void PixelFlow::complete_drawn(unsigned threads) {
   if (!forward_ || skipped_ns_ == forward_->to.time_ns) return;
   const bool was_drawn = !lacks_drawn();
   left_open_.clear();
@@ -331,11 +331,11 @@ void PixelFlow::complete_drawn() {
       }
     }
   }
-  if (!left_open_.empty()) cast_left_open();
+  if (!left_open_.empty()) cast_left_open(threads);
 }
 
 // The points of the previous image that complete_drawn() has left open.
-void PixelFlow::cast_left_open() {
+void PixelFlow::cast_left_open(unsigned threads) {
   const CameraMoment& before = forward_->from;
   if (!own_rays_) own_rays_.emplace(layout_, views_, near_m_);
   const Written images = written(*forward_);
@@ -347,7 +347,7 @@ void PixelFlow::cast_left_open() {
                end = std::ranges::lower_bound(left_open_, (rows.first + rows.count) * layout_.width_px);
     const std::span<const std::uint32_t> pixels(begin, end);
     if (pixels.empty()) continue;
-    own_rays_->begin(before_world_.place(before.places(r)));
+    own_rays_->begin(before_world_.place(before.places(r), threads));
     own_rays_->cast(before_world_.caster(), {rows.first, rows.count, rows.world_from_view, {}}, pixels, seen_before_);
     for (const std::uint32_t pixel : pixels) {
       follow(*forward_, images, r, pixel, own_rays_->directions()[pixel], seen_before_[pixel]);
@@ -376,21 +376,21 @@ void PixelFlow::cast(RayCaster& caster, const DrawList& list, PixelRays& rays, s
   if (history_.before() == nullptr) return;
   if (backward_) {
     follow_all(*backward_, rays.directions(), seen_);
-    look_back(*backward_);
+    look_back(*backward_, caster.threads());
   }
   if (!forward_) return;
-  if (seen_before_ns_ != forward_->from.time_ns) cast_before(forward_->from, rays);
+  if (seen_before_ns_ != forward_->from.time_ns) cast_before(forward_->from, rays, caster.threads());
   follow_all(*forward_, rays.directions(), seen_before_);
   look_ahead(*forward_, caster, list);
 }
 
 // What a skipped image would have seen.
-void PixelFlow::cast_before(const CameraMoment& before, PixelRays& rays) {
+void PixelFlow::cast_before(const CameraMoment& before, PixelRays& rays, unsigned threads) {
   seen_before_.assign(std::size_t{layout_.width_px} * layout_.height_px, {});
   before_world_.set(before.scene->list);
   for (std::size_t r = 0; r < before.rows.size(); ++r) {
     const PosedRows& rows = before.rows[r];
-    rays.begin(before_world_.place(before.places(r)));
+    rays.begin(before_world_.place(before.places(r), threads));
     rays.cast(before_world_.caster(), {rows.first, rows.count, rows.world_from_view, {}}, seen_before_);
   }
   seen_before_ns_ = before.time_ns;
@@ -442,12 +442,12 @@ std::optional<PixelFlow::Sight> PixelFlow::sight_of(const FollowedPoint& followe
   return sight;
 }
 
-void PixelFlow::look_back(Direction& direction) {
+void PixelFlow::look_back(Direction& direction, unsigned threads) {
   if (direction.occlusion == nullptr) return;
   before_world_.set(direction.to.scene->list);
   for (std::size_t r = 0; r < sights_.size(); ++r) {
     if (sights_[r].empty()) continue;
-    const DrawList& world = before_world_.place(direction.to.places(r));
+    const DrawList& world = before_world_.place(direction.to.places(r), threads);
     look(direction, r, before_world_.caster(), world);
   }
 }
@@ -462,7 +462,7 @@ void PixelFlow::look_ahead(Direction& direction, RayCaster& caster, const DrawLi
       look(direction, r, caster, list);
       continue;
     }
-    const DrawList& world = now_world_.place(places);
+    const DrawList& world = now_world_.place(places, caster.threads());
     look(direction, r, now_world_.caster(), world);
   }
 }

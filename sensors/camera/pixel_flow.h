@@ -81,8 +81,9 @@ class PixelFlow {
   /// pixel.
   void set(std::span<const std::uint32_t> pixels, std::size_t rows, std::span<const glm::dvec3> directions,
            std::span<const SeenSurface> seen);
-  /// Completes an image that was drawn, after the last set(). If the previous image was not drawn, its pixels are cast.
-  void complete_drawn();
+  /// Completes an image that was drawn, after the last set(). If the previous image was not drawn, its pixels are cast
+  /// on so many threads.
+  void complete_drawn(unsigned threads);
   /// Completes an image that was cast: `seen` by pixel, which is taken over in exchange for others. `caster`'s world is
   /// `list`, that of this image; `rays` are those of the camera.
   void cast(RayCaster& caster, const DrawList& list, PixelRays& rays, std::vector<SeenSurface>& seen);
@@ -135,13 +136,13 @@ class PixelFlow {
   }
   bool lacks_drawn() const;
   bool lacks_cast() const;
-  void cast_left_open();
+  void cast_left_open(unsigned threads);
   void follow_all(Direction& direction, std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen);
   std::optional<Sight> sight_of(const FollowedPoint& followed, std::size_t pixel) const;
-  void look_back(Direction& direction);
+  void look_back(Direction& direction, unsigned threads);
   void look_ahead(Direction& direction, RayCaster& caster, const DrawList& list);
   void look(Direction& direction, std::size_t rows, RayCaster& caster, const DrawList& world);
-  void cast_before(const CameraMoment& before, PixelRays& rays);
+  void cast_before(const CameraMoment& before, PixelRays& rays, unsigned threads);
 
   FlowDesc desc_;
   const CameraLayout& layout_;

@@ -66,13 +66,13 @@ void PixelLayers::begin(const DrawList& list, std::span<const std::uint32_t> ins
   start_layers(transmission_, count, 0.0f);
 }
 
-void PixelLayers::cast(const PixelRows& rows, const PixelRays& rays) {
+void PixelLayers::cast(const PixelRows& rows, const PixelRays& rays, unsigned threads) {
   SIMVIS_ASSERT(list_ != nullptr);
   passing_.clear();
   for_tiled_pixels(rows.first, rows.count, width_px_, [&](std::uint32_t pixel) {
     if (rays.directions()[pixel] != glm::dvec3(0)) passing_.push_back({pixel, rays.near_range_m(pixel)});
   });
-  const DrawList& first = world_.place(rows.places);
+  const DrawList& first = world_.place(rows.places, threads);
   for (std::uint32_t layer = 0; layer < layers_ && !passing_.empty(); ++layer) {
     cast_layer(layer, first, rows.world_from_view, rays);
   }

@@ -40,8 +40,8 @@ class PixelLayers {
 
   /// Starts an image of this list, which must live until its last cast(). `instance` as in ItemIds.
   void begin(const DrawList& list, std::span<const std::uint32_t> instance);
-  /// Casts the pixels of these rows.
-  void cast(const PixelRows& rows, const PixelRays& rays);
+  /// Casts the pixels of these rows on so many threads.
+  void cast(const PixelRows& rows, const PixelRays& rays, unsigned threads);
 
   /// The images, in the order of layer_outputs(), without numbers before the first begin().
   void add_to(Measurement& measurement, const std::string& prefix, const std::string& view) const;

@@ -45,7 +45,7 @@ void PixelRays::cast(RayCaster& caster, const PixelRows& rows, std::span<const s
   }
   met_.resize(pixels.size());
   const bool elsewhere = !rows.places.empty();
-  const DrawList& world = elsewhere ? moved_.place(rows.places) : *list_;
+  const DrawList& world = elsewhere ? moved_.place(rows.places, caster.threads()) : *list_;
   rays_.cast(elsewhere ? moved_.caster() : caster, world, rows.world_from_view, cast_directions_, behind_m_, met_);
   for (std::size_t i = 0; i < pixels.size(); ++i) seen[pixels[i]] = met_[i];
 }

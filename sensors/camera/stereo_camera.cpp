@@ -145,8 +145,8 @@ void StereoCamera::cast(RayCaster& of_list) {
   right_.cast(caster);
   if (!left_desc_.truth.boxes) return;
   objects_.begin();
-  left_.add_objects(objects_, 0);
-  right_.add_objects(objects_, 1);
+  left_.add_objects(objects_, 0, of_list.threads());
+  right_.add_objects(objects_, 1, of_list.threads());
 }
 
 Measurement StereoCamera::measurement() const {

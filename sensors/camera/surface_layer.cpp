@@ -84,7 +84,7 @@ const DrawList& LayerWorld::begin(const DrawList& list) {
 
 RayCaster& LayerWorld::caster(RayCaster& of_list) {
   if (layer_ == SurfaceLayer::visible) return of_list;
-  world_.place({});
+  world_.place({}, of_list.threads());
   return world_.caster();
 }
 

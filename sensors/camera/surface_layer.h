@@ -63,7 +63,7 @@ class LayerWorld {
 
   /// The list of the layer. It is valid until the next call, as long as `list`.
   const DrawList& begin(const DrawList& list);
-  /// A caster into it: `of_list`, if the layer is that of the list itself.
+  /// A caster into it, with the threads of `of_list`: that one, if the layer is that of the list itself.
   RayCaster& caster(RayCaster& of_list);
 
  private:

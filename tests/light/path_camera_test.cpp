@@ -9,7 +9,6 @@
 
 #include <simvis/diagnostics.h>
 #include <simvis/simulation.h>
-#include "sensors/camera/moved_world.h"
 #include "tests/support/error_of.h"
 #include "tests/support/sky_files.h"
 #include "tests/support/splat_file.h"
@@ -115,14 +114,6 @@ TEST_CASE("a pixel at the edge of a fisheye has the light of the part of its squ
   constexpr std::size_t kPixel = 64 + 32 + 30;  // of the lower row
   CHECK(std::abs(measured.find("color")->number(4 * kPixel) - share) <= 5 * deviation);
   CHECK(measured.find("color_stddev")->number(3 * kPixel) == doctest::Approx(deviation).epsilon(0.1));
-}
-
-TEST_CASE("paths through surfaces that cover half use as many threads as all others") {
-  MovedWorld world;
-  const DrawList nothing;
-  world.set(nothing);
-  world.place({}, 1);
-  CHECK(world.caster().threads() == 1);
 }
 
 // The message about a camera with these attributes in the third line of a scene.

@@ -494,7 +494,7 @@ TEST_CASE("trees of hidden things are made once, as long as their meshes are the
   const std::vector<float> range_m(nothing.size(), 1);
   ObjectSilhouettes silhouettes(canvas);
   const auto find_both = [&] {
-    silhouettes.begin(list);
+    silhouettes.begin(list, 1);
     for (const std::uint32_t item : {0u, 1u}) {
       CHECK(silhouettes.find(list, item, {&item, 1}, {nothing, range_m, {&rows, 1}}, {}, {}).picture.pixels > 0);
     }

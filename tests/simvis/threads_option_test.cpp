@@ -1,9 +1,12 @@
 // simvis-run --threads: the files have the same bytes for every number of threads.
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <iterator>
 #include <map>
 #include <string>
 
+#include <simvis/simulation.h>
 #include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
 
@@ -26,6 +29,10 @@ std::map<std::string, std::string> files_of(const std::filesystem::path& folder)
   return files;
 }
 
+std::ptrdiff_t threads_of_process() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
+}
+
 }  // namespace
 
 TEST_CASE("the files of a run do not depend on --threads") {
@@ -43,6 +50,30 @@ TEST_CASE("the files of a run do not depend on --threads") {
     CHECK(expected.size() == 16);  // five of colour, five of depth, a table, intrinsics, poses of two sensors
     CHECK(files_of(out) == expected);
   }
+}
+
+// None of the sensors draws, because a driver has threads of its own.
+TEST_CASE("with one thread, sensors that cast into worlds of their own start no other") {
+  SimulationDesc desc;
+  desc.threads = 1;
+  const std::string pixels = " insert_at='ROOT' width='64' height='48' row_time='1e-4' rows_per_pose='16' ";
+  Simulation simulation = Simulation::from_string(
+      "<s><part name='WALL' insert_at='ROOT' shape='box' size='0.2 40 40' pose_offset='6 0 0 0 0 0'/>"
+      "<part name='AT' insert_at='ROOT'/><element type='pose' name='MOVE' insert_at='AT'/>"
+      "<part name='BOX' insert_at='AT' shape='box' size='1 1 1' pose_offset='3 0 0 0 0 0'/>"
+      "<element type='label' name='L' insert_at='ROOT' part='BOX' class='box' class_id='9'/>"
+      "<sensor type='camera' name='C' outputs='normal layers flow_backward flow_forward occlusion boxes silhouettes'" +
+          pixels + "/><sensor type='camera' name='FIRST' outputs='depth normal' layer='first'" + pixels +
+          "/><sensor type='keypoints' name='K'" + pixels +
+          "/><sensor type='laser_scanner' name='S' insert_at='ROOT' samples='4000' sweep='0.01'/></s>",
+      desc);
+  const std::ptrdiff_t threads = threads_of_process();
+  simulation.step();
+  for (int frame = 0; frame < 3; ++frame) {
+    simulation.set("MOVE", "y", 0.1 * frame);
+    simulation.step();
+  }
+  CHECK(threads_of_process() == threads);
 }
 
 TEST_CASE("--threads takes a whole number up to 1024") {
