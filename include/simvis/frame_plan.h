@@ -142,11 +142,14 @@ struct Pass {
 
 /// Rays that a sensor casts after the passes are rendered.
 struct RayCast {
-  std::string name;            ///< for --explain
-  std::string reason;          ///< why rays are cast
-  std::uint64_t max_rays = 0;  ///< upper bound of their number; which rays are cast may depend on the rendered passes
-  std::string engine{};        ///< RayCaster::engine() of the caster; set by the code that runs the plan
-  bool colors = false;  ///< what is made of the hits depends on the colours of surfaces, so their pictures are needed
+  std::string name;    ///< for --explain
+  std::string reason;  ///< why rays are cast
+  /// The most rays that begin at the sensor and at bounces; which of them are cast may depend on the rendered passes. A
+  /// ray that goes on behind a surface or a layer, or that is cast again because an item moves, counts once. Rays of
+  /// boxes and silhouettes are those of one item.
+  std::uint64_t max_rays = 0;
+  std::string engine{};  ///< RayCaster::engine() of the caster; set by the code that runs the plan
+  bool colors = false;   ///< what is made of the hits depends on the colours of surfaces, so their pictures are needed
 };
 
 /// An effect that a due sensor shows this frame.

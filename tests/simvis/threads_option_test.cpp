@@ -67,8 +67,8 @@ TEST_CASE("with one thread, sensors that cast into worlds of their own start no 
           "/><sensor type='keypoints' name='K'" + pixels +
           "/><sensor type='laser_scanner' name='S' insert_at='ROOT' samples='4000' sweep='0.01'/></s>",
       desc);
-  simulation.step();
   const std::ptrdiff_t threads = threads_of_process();
+  simulation.step();
   for (int frame = 0; frame < 3; ++frame) {
     simulation.set("MOVE", "y", 0.1 * frame);
     simulation.step();
