@@ -29,6 +29,9 @@ class Traversal {
     for (const std::uint32_t placed : view_.items().endless()) {
       if (view_.placed(placed).visible) into_item(placed, kAllRays);
     }
+    if constexpr (kOwn) {
+      if (packet_.kind == RayPacket::Kind::scattered) return into_items_scattered(items);
+    }
     // The padding of item boxes is much larger than the rounding errors here.
     TreePlanes planes = kOwn ? planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place) - packet_.apex_m), 1,
                                          static_cast<float>(spread_along_normal_m(packet_)))
@@ -54,7 +57,7 @@ class Traversal {
     if (mesh.is_cloud()) return;  // its transform flattens the points
     if (const SeenShape* const grid = view_.grid(item)) return into_grid(*grid, item, placed, rays);
     const WideBvh& tree = mesh.tree();
-    if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) {
+    if (goes_singly(item, mesh)) {
       const MeshFromSensor to_mesh = mesh_from_sensor(packet_, item, mesh);
       if (to_mesh.usable) return into_item_singly(to_mesh, item, mesh, placed, rays);
     }
@@ -79,6 +82,21 @@ class Traversal {
   }
 
  private:
+  SIMVIS_INLINE void into_items_scattered(const WideBvh& items) {
+    MeshRays in_tree;
+    const std::uint32_t rays =
+        place_rays(packet_, tree_from_sensor(packet_, view_.world_from_sensor(), view_.items().origin()),
+                   glm::vec3(std::numeric_limits<float>::infinity()), kAllRays, in_tree);
+    traverse_scattered(
+        items, packet_, in_tree, rays, [&](std::uint32_t placed, std::uint32_t into) __attribute__((always_inline)) {
+          if (view_.placed(placed).visible) into_item(placed, into);
+        });
+  }
+
+  SIMVIS_INLINE bool goes_singly(const SeenItem& item, const Blas& mesh) const {
+    return packet_.kind == RayPacket::Kind::scattered || rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf;
+  }
+
   // As into_item(), with the points of a cloud in place of triangles.
   SIMVIS_INLINE void into_cloud(const SeenShape& surface, const SeenItem& item, const Blas& mesh, std::uint32_t placed,
                                 std::uint32_t rays) {
@@ -86,10 +104,10 @@ class Traversal {
     const WideBvh::Leaf* const leaves = mesh.leaves().data();
     const auto expect = [&](std::uint32_t leaf) { __builtin_prefetch(&leaves[leaf]); };
     MeshFromSensor to_mesh{};
-    if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) to_mesh = mesh_from_sensor(packet_, item, mesh);
+    if (goes_singly(item, mesh)) to_mesh = mesh_from_sensor(packet_, item, mesh);
     if (to_mesh.usable) {
       MeshRays in_mesh;
-      const std::uint32_t reached = place_rays(packet_, to_mesh, mesh, rays, in_mesh);
+      const std::uint32_t reached = place_rays(packet_, to_mesh, glm::vec3(mesh.half_size()), rays, in_mesh);
       if (reached == 0) return;
       view_.single_rays += static_cast<unsigned>(std::popcount(reached));
       const std::uint32_t* const indices = mesh.mesh()->indices.data();
@@ -126,7 +144,7 @@ class Traversal {
   SIMVIS_INLINE void into_item_singly(const MeshFromSensor& to_mesh, const SeenItem& item, const Blas& mesh,
                                       std::uint32_t placed, std::uint32_t rays) {
     MeshRays in_mesh;
-    const std::uint32_t reached = place_rays(packet_, to_mesh, mesh, rays, in_mesh);
+    const std::uint32_t reached = place_rays(packet_, to_mesh, glm::vec3(mesh.half_size()), rays, in_mesh);
     if (reached == 0) return;
     view_.single_rays += static_cast<unsigned>(std::popcount(reached));
     const WideBvh::Leaf* const leaves = mesh.leaves().data();

@@ -1,8 +1,11 @@
 #include "engine/raycast/packet_caster.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/gtc/matrix_transform.hpp>
+#include <utility>
 
+#include "engine/base/assert.h"
 #include "engine/raycast/packet_cast.h"
 #include "engine/raycast/packet_finish.h"
 
@@ -42,17 +45,84 @@ std::vector<RayOrigin> origins_of(const RayView& view, const glm::dmat4& world_f
   return origins;
 }
 
+// Casts rays that form no bundle with their neighbours. They wait until a packet is full of rays of one side.
+class ScatteredRays {
+ public:
+  ScatteredRays(RayView& view, const WideBvh& tree, std::span<RayHit> hits) : view_(view), tree_(tree), hits_(hits) {}
+
+  void add(std::size_t ray, const RayOrigin& origin, const glm::dvec3& direction, double t_min_m) {
+    Waiting& waiting = sides_[RayPacket::side_of(direction)];
+    waiting.rays[waiting.count] = ray;
+    waiting.origins[waiting.count] = origin;
+    waiting.directions[waiting.count] = direction;
+    waiting.t_min_m[waiting.count] = t_min_m;
+    if (++waiting.count == RayPacket::kMax) cast(waiting);
+  }
+
+  void cast_rest() {
+    for (Waiting& waiting : sides_) {
+      if (waiting.count > 0) cast(waiting);
+    }
+  }
+
+ private:
+  struct Waiting {
+    std::size_t count = 0;
+    std::array<std::size_t, RayPacket::kMax> rays;  // as indices of hits_
+    std::array<RayOrigin, RayPacket::kMax> origins;
+    std::array<glm::dvec3, RayPacket::kMax> directions;
+    std::array<double, RayPacket::kMax> t_min_m;
+  };
+
+  void cast(Waiting& waiting) {
+    const std::size_t count = std::exchange(waiting.count, 0);
+    RayPacket packet(std::span(waiting.directions).first(count), std::span(waiting.t_min_m).first(count),
+                     std::span(waiting.origins).first(count), RayPacket::Kind::scattered);
+    SIMVIS_ASSERT(packet.count == count);
+    traverse_from_origins(view_, tree_, packet);
+    std::array<RayHit, RayPacket::kMax> hits;
+    finish_packet(view_, packet, hits.data());
+    for (std::size_t i = 0; i < count; ++i) hits_[waiting.rays[i]] = hits[i];
+  }
+
+  RayView& view_;
+  const WideBvh& tree_;
+  std::span<RayHit> hits_;
+  std::array<Waiting, RayPacket::kSides> sides_;
+};
+
+// Whether the first ray and those after it are a bundle that is worth a packet of its own: fewer rays test more boxes
+// for each of them than rays that are tested alone.
+bool begins_bundle(std::span<const glm::dvec3> directions, std::span<const RayOrigin> origins) {
+  constexpr std::size_t kMinBundle = 8;
+  if (directions.size() < kMinBundle) return false;
+  for (std::size_t i = 1; i < kMinBundle; ++i) {
+    const glm::dvec3 apart_m = origins[i].sensor_m - origins[0].sensor_m;
+    if (glm::dot(directions[i], directions[0]) < RayPacket::kMinCosine) return false;
+    if (glm::dot(apart_m, apart_m) > RayPacket::kMaxSpread_m * RayPacket::kMaxSpread_m) return false;
+    if (RayPacket::side_of(directions[i]) != RayPacket::side_of(directions[0])) return false;
+  }
+  return true;
+}
+
 void cast_packets_from(RayView& view, const WideBvh& tree, std::span<const RayOrigin> origins,
                        std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                        std::span<const double> t_min_m) {
+  ScatteredRays scattered(view, tree, hits);
   for (std::size_t first = 0; first < directions.size();) {
     const std::size_t left =
         std::min(std::size_t{RayPacket::kMax} - first % RayPacket::kMax, directions.size() - first);
+    if (!begins_bundle(directions.subspan(first, left), origins.subspan(first, left))) {
+      scattered.add(first, origins[first], directions[first], t_min_m.empty() ? 0 : t_min_m[first]);
+      ++first;
+      continue;
+    }
     RayPacket packet(directions.subspan(first, left), part_of(t_min_m, first, left), origins.subspan(first, left));
     traverse_from_origins(view, tree, packet);
     finish_packet(view, packet, hits.data() + first);
     first += packet.count;
   }
+  scattered.cast_rest();
 }
 
 }  // namespace

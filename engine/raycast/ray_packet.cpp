@@ -7,8 +7,6 @@ namespace simvis {
 
 namespace {
 
-// Rays at a larger angle to the first ray than this, about 25 degrees, no longer visit mostly the same boxes.
-constexpr double kMinCosine = 0.9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Same choice as in ShearedRay.
@@ -33,9 +31,14 @@ SIMVIS_INLINE double hmin(Double4 v) { return -hmax(-v); }
 
 }  // namespace
 
+unsigned RayPacket::side_of(const glm::dvec3& direction) {
+  const int axis = largest_axis(direction);
+  return 2 * static_cast<unsigned>(axis) + (direction[axis] < 0 ? 1 : 0);
+}
+
 RayPacket::RayPacket(std::span<const glm::dvec3> rays, std::span<const double> passed_m,
-                     std::span<const RayOrigin> origins)
-    : directions(rays.data()) {
+                     std::span<const RayOrigin> origins, Kind kind)
+    : directions(rays.data()), kind(kind) {
   fill(*this, rays, passed_m, origins);
 }
 
@@ -64,7 +67,7 @@ SIMVIS_INLINE unsigned RayPacket::set_origins(unsigned batch, std::span<const Ra
     square += start * start;
   }
   distance_m[batch] = Double4{a.distance_m, b.distance_m, c.distance_m, d.distance_m};
-  const Mask4 near = square <= splat4(kMaxSpread_m * kMaxSpread_m);
+  const Mask4 near = square <= splat4(kind == Kind::bundle ? kMaxSpread_m * kMaxSpread_m : kInfinity);
   const unsigned count_near = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(near))));
   if (count_near == lanes) spread_m = std::max(spread_m, hmax(square));  // its square until place() has all rays
   return count_near;
@@ -87,7 +90,8 @@ SIMVIS_INLINE unsigned RayPacket::count_together(const glm::dvec3& leading, cons
   const Mask4 same_axis = ((size_z > size_x) | ((size_z == size_x) & x_loses_ties)) &
                           ((size_z > size_y) | ((size_z == size_y) & y_loses_ties));
   const Double4 cosine = splat4(leading[x]) * along_x + splat4(leading[y]) * along_y + splat4(leading[z]) * along_z;
-  const Mask4 together = same_axis & (along_z * splat4(sign) > splat4(0)) & (cosine >= splat4(kMinCosine));
+  const Mask4 together =
+      same_axis & (along_z * splat4(sign) > splat4(0)) & (cosine >= splat4(kind == Kind::bundle ? kMinCosine : -1));
   return static_cast<unsigned>(std::countr_one(bits_of(together)));
 }
 

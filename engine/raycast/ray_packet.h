@@ -21,16 +21,28 @@ struct RayOrigin {
 
 /// Rays from the origin of the sensor frame whose directions have the same largest component, with the same sign.
 /// Sheared along this component (see ray_triangle.h), each ray is a point of a plane, and a rectangle of that plane
-/// bounds the packet. Rays with origins of their own start at most kMaxSpread_m from the first one, the apex: what the
-/// packet may hit is then that of rays from the apex, with every box and triangle larger by `spread_m`.
+/// bounds the packet. What rays with origins of their own may hit is that of rays from the origin of the first one, the
+/// apex, with every box and triangle larger by `spread_m`.
 struct RayPacket {
+  /// Which rays visit mostly the same boxes and therefore are one packet.
+  enum class Kind {
+    bundle,    ///< at angles to the first ray of at most that of kMinCosine, and kMaxSpread_m from its origin
+    scattered  ///< anywhere, with origins of their own: each ray is tested alone against boxes
+  };
+
   static constexpr unsigned kLanes = 4, kBatches = 8, kMax = kLanes * kBatches;
   static_assert(kMax == RayCaster::kPacketSize);
   static constexpr double kMaxSpread_m = 0.05;  ///< larger boxes cost more than smaller packets
+  static constexpr double kMinCosine = 0.9;     ///< about 25 degrees: others do not visit mostly the same boxes
 
   /// Takes as many of the first rays as fit into one packet, at least one. `t_min_m` and `origins` are empty or as long
   /// as `rays`, the directions, which must outlive the packet.
-  RayPacket(std::span<const glm::dvec3> rays, std::span<const double> t_min_m, std::span<const RayOrigin> origins = {});
+  RayPacket(std::span<const glm::dvec3> rays, std::span<const double> t_min_m, std::span<const RayOrigin> origins = {},
+            Kind kind = Kind::bundle);
+
+  /// The largest component of a direction and its sign, which the rays of a packet have in common, as a number.
+  static constexpr unsigned kSides = 6;
+  static unsigned side_of(const glm::dvec3& direction);
 
   ShearedRay ray(unsigned index) const;
   const glm::dvec3& direction(unsigned index) const { return directions[index]; }
@@ -43,6 +55,7 @@ struct RayPacket {
   }
 
   const glm::dvec3* directions = nullptr;  ///< of the rays, in the caller's memory
+  Kind kind = Kind::bundle;
   unsigned count = 0, batches = 0;
   int x = 0, y = 1, z = 2;  ///< axes of the sensor frame; z: the largest component
   double sign = 1;          ///< sign of that component

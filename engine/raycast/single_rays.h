@@ -1,9 +1,13 @@
-// Traversal of a mesh's tree by the rays of a packet one by one, in float32. Part of packet_cast.cpp.
+// Traversal of trees by the rays of a packet one by one, in float32. Part of packet_cast.cpp.
 //
 // A packet shares box tests among its rays. Rays that lie farther apart than the triangles share few of them, and most
 // of the time is spent waiting for memory. Such a ray is tested alone against the eight children of a node, so that it
 // visits only nodes on its own path. The rays advance in rounds: one node for each ray, then one leaf for each ray.
 // The data that a ray reads in a round was prefetched in the round before, while other rays were tested.
+//
+// Scattered rays, such as those of paths of light after a reflection, share no frustum. Each of them is tested alone
+// against the boxes of the tree over items too, but all rays of the packet that may hit an item go through its mesh
+// together, so that placing the rays and waiting for memory is shared.
 #pragma once
 
 #include <algorithm>
@@ -88,9 +92,9 @@ SIMVIS_INLINE Float8 origins_along(const RayPacket& packet, const MeshFromSensor
   return to_floats(along[0], along[1]);
 }
 
-/// Returns which of `rays` may hit the mesh before their nearest hits.
-SIMVIS_INLINE std::uint32_t place_rays(const RayPacket& packet, const MeshFromSensor& to_mesh, const Blas& mesh,
-                                       std::uint32_t rays, MeshRays& placed) {
+/// Returns which of `rays` may hit the box between -half_size and half_size before their nearest hits.
+SIMVIS_INLINE std::uint32_t place_rays(const RayPacket& packet, const MeshFromSensor& to_mesh,
+                                       const glm::vec3& half_size, std::uint32_t rays, MeshRays& placed) {
   // A component that is smaller than this changes t * direction by less than 2^-40 of the distance.
   constexpr float kSmallest = 0x1p-60f;
   const Float8 slack = splat8(to_mesh.slack);
@@ -116,13 +120,81 @@ SIMVIS_INLINE std::uint32_t place_rays(const RayPacket& packet, const MeshFromSe
       placed.per[axis].eights[i] = per;
       placed.enter[axis].eights[i] = origin + slack * size;
       placed.leave[axis].eights[i] = origin - slack * size;
-      const Float8 half = splat8(static_cast<float>(mesh.half_size()[axis])) * size;
+      const Float8 half = splat8(half_size[axis]) * size;
       from = max(from, -half - placed.enter[axis].eights[i]);
       to = min(to, half - placed.leave[axis].eights[i]);
     }
     reached |= bits_of(from <= to) << 8 * i;
   }
   return reached & rays;
+}
+
+/// The transform of rays from the sensor frame to that of the tree over items.
+SIMVIS_INLINE MeshFromSensor tree_from_sensor(const RayPacket& packet, const glm::dmat4& world_from_sensor,
+                                              const glm::dvec3& tree_origin) {
+  const double size = std::sqrt(3.0);
+  const glm::dmat3 turn(world_from_sensor);
+  const glm::dvec3 origin = glm::dvec3(world_from_sensor[3]) - tree_origin + turn * packet.apex_m;
+  return {.linear = (1 / size) * turn,
+          .origin = origin,
+          .t_per_depth = size,
+          .slack = static_cast<float>(kPadding * (1 + glm::length(origin) + packet.spread_m)),
+          .usable = true};
+}
+
+/// Which of `rays` may hit a child of a node before their nearest hits.
+struct RaysIntoBox {
+  std::uint32_t rays;
+  float nearest;  ///< where the first of them enters, in their t
+};
+
+SIMVIS_INLINE RaysIntoBox rays_into_box(const RayPacket& packet, const MeshRays& placed, const WideNode& node,
+                                        unsigned lane, std::uint32_t rays) {
+  RaysIntoBox into{0, std::numeric_limits<float>::infinity()};
+  for (unsigned i = 0; i < RayPacket::kEights; ++i) {
+    if ((rays >> 8 * i & 0xff) == 0) continue;
+    Float8 from = splat8(0), to = packet.end_m[i] * placed.t_per_m.eights[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float8 per = placed.per[axis].eights[i];
+      const Float8 low = splat8(node.low[axis][lane]), high = splat8(node.high[axis][lane]);
+      const Mask8 backwards = per < splat8(0);
+      from = max(from, (backwards ? high : low) * per - placed.enter[axis].eights[i]);
+      to = min(to, (backwards ? low : high) * per - placed.leave[axis].eights[i]);
+    }
+    const std::uint32_t in = bits_of(from <= to) & (rays >> 8 * i & 0xff);
+    if (in == 0) continue;
+    into.rays |= in << 8 * i;
+    into.nearest = std::min(into.nearest, from[std::countr_zero(in)]);
+  }
+  return into;
+}
+
+/// Traverses the tree over items with `rays`, each of which is tested alone. Calls `visit` with each item and the bits
+/// of the rays that may hit it.
+template <typename Visit>
+SIMVIS_INLINE void traverse_scattered(const WideBvh& tree, const RayPacket& packet, const MeshRays& placed,
+                                      std::uint32_t rays, const Visit& visit) {
+  if (tree.nodes().empty()) return;
+  std::array<WaitingBox, Bvh::kMaxDepth * WideNode::kMax> stack;
+  std::size_t waiting = 1;
+  stack[0] = {0, 0, 0, rays};
+  while (waiting > 0) {
+    const WaitingBox next = stack[--waiting];
+    if (next.primitives > 0) {
+      visit(next.child, next.rays);
+      continue;
+    }
+    const WideNode& node = tree.nodes()[next.child];
+    const std::size_t below = waiting;
+    for (unsigned lane = 0; lane < node.children; ++lane) {
+      const RaysIntoBox into = rays_into_box(packet, placed, node, lane, next.rays);
+      if (into.rays == 0) continue;
+      const WaitingBox child{node.child[lane], node.primitives[lane], into.nearest, into.rays};
+      std::size_t at = waiting++;
+      for (; at > below && stack[at - 1].distance < child.distance; --at) stack[at] = stack[at - 1];
+      stack[at] = child;
+    }
+  }
 }
 
 /// A ray on its way through a tree.

@@ -43,6 +43,24 @@ OwnRays bundles(const DrawList& list, const glm::dmat4& pose, std::size_t count,
   return rays;
 }
 
+// Rays from places within `spread_m` along each axis. Half of them point to corners, edges or inner points of
+// triangles; each group of a full packet has one side.
+OwnRays scattered(const DrawList& list, const glm::dmat4& pose, std::size_t count, double spread_m,
+                  std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  OwnRays rays;
+  while (rays.directions.size() < count) {
+    const glm::dvec3 origin_m = spread_m * glm::dvec3(unit(random), unit(random), unit(random));
+    for (const glm::dvec3& direction : directions_into(list, glm::translate(pose, origin_m), 2, random)) {
+      const std::size_t side = rays.directions.size() / RayPacket::kMax % RayPacket::kSides;
+      if (RayPacket::side_of(direction) != side || rays.directions.size() == count) continue;
+      rays.origins_m.push_back(origin_m);
+      rays.directions.push_back(direction);
+    }
+  }
+  return rays;
+}
+
 std::vector<RayHit> one_by_one(const DrawList& list, const glm::dmat4& pose, const OwnRays& rays) {
   const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
   caster->set_world(list);
@@ -61,9 +79,9 @@ std::size_t differences(const std::vector<RayHit>& a, const std::vector<RayHit>&
   return other;
 }
 
-// The hits of packets, with rays that go through meshes one by one below `min_rays_per_leaf`.
+// The hits of packets, with bundles whose rays go through meshes one by one below `min_rays_per_leaf`.
 std::vector<RayHit> in_packets(const DrawList& list, const glm::dmat4& pose, const OwnRays& rays,
-                               double min_rays_per_leaf) {
+                               double min_rays_per_leaf, RayPacket::Kind kind = RayPacket::Kind::bundle) {
   RayInstances items({}, shared_thread_pool(1));
   ItemTree tree;
   RayView view;
@@ -79,7 +97,8 @@ std::vector<RayHit> in_packets(const DrawList& list, const glm::dmat4& pose, con
   }
   std::vector<RayHit> hits(rays.directions.size());
   for (std::size_t first = 0; first < hits.size();) {
-    RayPacket packet(std::span(rays.directions).subspan(first), {}, std::span(origins).subspan(first));
+    RayPacket packet(std::span(rays.directions).subspan(first), {}, std::span(origins).subspan(first), kind);
+    if (kind == RayPacket::Kind::scattered) CHECK(packet.count == RayPacket::kMax);
     traverse_from_origins(view, tree.tree(), packet);
     finish_packet(view, packet, hits.data() + first);
     first += packet.count;
@@ -124,6 +143,50 @@ TEST_CASE("rays of one packet that start at places of their own have the hits of
   CHECK(hits > 20 * rays_of_room / 2);
 }
 
+TEST_CASE("scattered rays have the hits of sensors at their origins, to the bit") {
+  const std::size_t rays_of_room = RayPacket::kMax * std::size_t{sanitized() ? 12U : 120U};
+  std::size_t hits = 0;
+  for (int room = 0; room < 20; ++room) {
+    CAPTURE(room);
+    std::mt19937 random(static_cast<unsigned>(room));
+    const RoomWithSensor world = room_of_hard_cases(room, random);
+    const double spread_m = std::vector{0.0, 0.01, 1.0, 3.0, 100.0}[static_cast<std::size_t>(room) % 5];
+    const OwnRays rays = scattered(world.list, world.world_from_sensor, rays_of_room, spread_m, random);
+    const std::vector<RayHit> expected = one_by_one(world.list, world.world_from_sensor, rays);
+    for (const RayHit& hit : expected) hits += std::isfinite(hit.range_m);
+    CHECK(differences(in_packets(world.list, world.world_from_sensor, rays, RayView::kMinRaysPerLeaf,
+                                 RayPacket::Kind::scattered),
+                      expected) == 0);
+    const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+    caster->set_world(world.list);
+    std::vector<RayHit> cast(rays.directions.size());
+    caster->cast_from(world.world_from_sensor, rays.origins_m, rays.directions, cast);
+    CHECK(differences(cast, expected) == 0);
+  }
+  CHECK(hits > 20 * rays_of_room / 4);
+}
+
+TEST_CASE("a cast bundles neighbours, and gathers scattered rays of one side in packets") {
+  const DrawList list = random_room(3, 5, 16);
+  constexpr unsigned kRays = 10 * RayPacket::kMax;
+  const auto counters = [&](double spread_m) {
+    const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+    caster->set_world(list);
+    OwnRays rays;
+    for (unsigned i = 0; i < kRays; ++i) {
+      rays.origins_m.emplace_back(i % 2 == 0 ? spread_m : -spread_m, 0, 0);
+      rays.directions.emplace_back(1, 0, 0);
+    }
+    std::vector<RayHit> hits(kRays);
+    caster->cast_from(at(0, 0, 1.2), rays.origins_m, rays.directions, hits);
+    return caster->counters();
+  };
+  const RayCounters near = counters(0.01), apart = counters(0.5);
+  CHECK(near.single_rays == 0);
+  CHECK(apart.single_rays >= kRays);
+  CHECK(apart.item_tests < kRays);  // packets of one ray each would test at least one item
+}
+
 TEST_CASE("rays from places of their own into exact shapes have the hits of sensors there, to the bit") {
   std::mt19937 random(5);
   DrawList list = random_room(3, 5, 16);
@@ -142,6 +205,9 @@ TEST_CASE("rays from places of their own into exact shapes have the hits of sens
   }
   CHECK(of_shapes > 500);
   CHECK(differences(in_packets(list, pose, rays, RayView::kMinRaysPerLeaf), expected) == 0);
+  const OwnRays apart = scattered(list, pose, 3200, 2, random);
+  CHECK(differences(in_packets(list, pose, apart, RayView::kMinRaysPerLeaf, RayPacket::Kind::scattered),
+                    one_by_one(list, pose, apart)) == 0);
 }
 
 }  // namespace
