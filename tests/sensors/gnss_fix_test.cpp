@@ -146,7 +146,6 @@ TEST_CASE("satellites in two directions, several in each, give no fix") {
   CHECK(fix_position(sky));
 }
 
-
 // From the reference slots by rotations, in the frame of the earth.
 glm::dvec3 slot_m(double node_deg, double argument_deg, double time_s) {
   const double turn_rad_s = std::sqrt(3.986005e14 / std::pow(26559700.0, 3));
