@@ -89,7 +89,9 @@ Material GltfMaterials::convert(int index) {
   material.transmission =
       static_cast<float>(extension_number_or(source, "KHR_materials_transmission", "transmissionFactor", 0));
   if (material.transmission > 0) {
-    document_.warn("materials with KHR_materials_transmission are opaque for cameras; lasers see through them");
+    document_.warn(
+        "materials with KHR_materials_transmission are opaque in drawn images; lasers and paths of light see through "
+        "them");
   }
   material.refractive_index = refractive_index_of(source, place, document_);
 

@@ -80,7 +80,7 @@ std::vector<Leniency> gltf_leniencies() {
       material(R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[1,0,0,1]}})",
                R"(,"extensionsUsed":["KHR_materials_pbrSpecularGlossiness"])", "without their specular colour"),
       material(R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1}})",
-               R"(,"extensionsUsed":["KHR_materials_transmission"])", "are opaque for cameras"),
+               R"(,"extensionsUsed":["KHR_materials_transmission"])", "are opaque in drawn images"),
       material(picture, R"(,"textures":[{"source":0}],"images":[{"uri":"no.png"}])", "picture \"no.png\" is not there"),
       material(picture, R"(,"textures":[{"source":0}],"images":[{"uri":"a.gltf"}])",
                "the material's colour replaces it"),
