@@ -107,24 +107,31 @@ std::vector<std::size_t> Parameters::drain_changed_elements() {
   return changed;
 }
 
-// Elements that were removed keep their places here, and have none in the state.
+// Values of removed elements, which keep their places here, count only where as many were removed.
 void Parameters::archive(StateArchive& state) {
-  std::vector<double> values;
+  std::vector<double> live, removed;
   for (const ElementDescriptor& each : elements_) {
     const auto first = values_.begin() + static_cast<std::ptrdiff_t>(each.first_value);
-    if (!each.removed) values.insert(values.end(), first, first + static_cast<std::ptrdiff_t>(each.parameters.size()));
+    std::vector<double>& values = each.removed ? removed : live;
+    values.insert(values.end(), first, first + static_cast<std::ptrdiff_t>(each.parameters.size()));
   }
-  const std::size_t count = values.size();
-  state(values);
-  state.require(values.size() == count);
+  const std::size_t live_count = live.size(), removed_count = removed.size();
+  state(live, removed);
+  state.require(live.size() == live_count);
   std::vector<double> all = values_;
-  for (std::size_t element = 0, next = 0; element < elements_.size(); ++element) {
+  std::size_t next_live = 0, next_removed = 0;
+  for (std::size_t element = 0; element < elements_.size(); ++element) {
     const ElementDescriptor& each = elements_[element];
-    if (each.removed) continue;
-    for (std::size_t i = 0; i < each.parameters.size(); ++i, ++next) {
-      state.require(check_number(each.parameters[i], values[next]).empty());
-      all[each.first_value + i] = values[next];
+    for (std::size_t i = 0; i < each.parameters.size(); ++i) {
+      double& value = all[each.first_value + i];
+      if (each.removed) {
+        if (removed.size() == removed_count) value = removed[next_removed++];
+        continue;
+      }
+      value = live[next_live++];
+      state.require(check_number(each.parameters[i], value).empty());
     }
+    if (each.removed) continue;
     bool is_changed = element_changed_[element];
     state(is_changed);
     element_changed_[element] = is_changed;
