@@ -37,7 +37,7 @@ struct Method {
 constexpr Method kMethods[] = {{"nearest", ""},    {"planar", ""},     {"hybrid", "3e-4"},
                                {"hybrid", "1e-4"}, {"hybrid", "1e-6"}, {"raycast", ""}};
 constexpr std::size_t kMethodCount = std::size(kMethods);
-constexpr int kWarmUp = 20;
+constexpr int kWarmUp = 20, kMinTurns = 30;
 
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
@@ -194,6 +194,7 @@ int main(int argc, char** argv) {
   simulation.step();
   std::printf("rays,engine,wall_ns,processor_ns,ratio_to_packets,worst_relative_difference\n");
   time_rays("361", simulation, directions_of(361, std::numbers::pi / 2, 1, 0), frames);
-  time_rays("64 x 2048", simulation, directions_of(2048, std::numbers::pi, 64, std::numbers::pi / 12), frames / 30 + 1);
+  time_rays("64 x 2048", simulation, directions_of(2048, std::numbers::pi, 64, std::numbers::pi / 12),
+            std::max(frames / 30, kMinTurns));
   return 0;
 }

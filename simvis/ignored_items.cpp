@@ -318,7 +318,7 @@ double seen_share(const Eye& eye, RayCaster& rays, std::uint32_t item, std::span
 
 }  // namespace
 
-std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
+std::vector<SolidAround> seen_solids_around(const BuiltScene& built, unsigned threads) {
   constexpr double kMinShare = 0.25;  // less is seen of a solid whose own content hides it
   Flattener flattener(built.scene.root());
   const DrawList& list = flattener.update();
@@ -337,7 +337,7 @@ std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
       if (std::ranges::binary_search(unseen, i)) return false;
       if (!is_inside_solid(mesh, list.world_from_node[item.transform], eye.at_m, eye.near_m)) return false;
       if (rays == nullptr) {
-        rays = make_host_ray_caster();
+        rays = make_host_ray_caster({}, threads);
         rays->set_world(list);
       }
       if (seen_share(eye, *rays, i, unseen) < kMinShare) return false;

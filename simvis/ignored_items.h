@@ -47,8 +47,8 @@ struct SolidAround {
 
 /// The sensors that stand inside a visible, opaque solid that they do not ignore and see in a quarter of all
 /// directions, each with the first such solid of the scene as it stands. A camera whose near distance leaves out the
-/// whole solid is not among them.
-SIMVIS_PROGRAM_API std::vector<SolidAround> seen_solids_around(const BuiltScene& built);
+/// whole solid is not among them. `threads` as SimulationDesc::threads.
+SIMVIS_PROGRAM_API std::vector<SolidAround> seen_solids_around(const BuiltScene& built, unsigned threads);
 
 /// The items of the draw list of sensors, as the scene stands now, that a sensor does not see, ascending.
 SIMVIS_PROGRAM_API std::vector<std::uint32_t> unseen_items(const BuiltScene& built, const BuiltSensor& sensor);

@@ -236,14 +236,16 @@ VectorSimulationImpl::Failures VectorSimulationImpl::for_each(Environments indic
   return failures;
 }
 
-void VectorSimulationImpl::throw_any(const Failures& failures) {
+void VectorSimulationImpl::throw_any(const Failures& failures, const std::vector<std::uint8_t>& preferred) {
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < failures.size(); ++i) {
     if (failures[i]) indices.push_back(i);
   }
   if (indices.empty()) return;
-  const auto first = std::ranges::find_if(indices, [&](std::size_t i) { return !is_of_consumer(failures[i]); });
-  if (first != indices.end()) std::rotate(indices.begin(), first, first + 1);
+  if (!preferred.empty()) {
+    const auto first = std::ranges::find_if(indices, [&](std::size_t i) { return preferred[i] != 0; });
+    if (first != indices.end()) std::rotate(indices.begin(), first, first + 1);
+  }
   std::string which = " (environment " + std::to_string(indices[0]);
   if (indices.size() > 1) which += "; these have failed too: " + names_of(std::span(indices).subspan(1));
   throw_named(failures[indices[0]], which + ")");
@@ -259,7 +261,7 @@ void VectorSimulationImpl::call_named(std::size_t environment, const std::functi
 
 void VectorSimulationImpl::step(Environments stepped, const std::function<void(Simulation&)>& make_frame) {
   check(stepped);
-  // Bytes, because several threads write them.
+  // Bytes, because several threads write them. By environment.
   std::vector<std::uint8_t> steps(environments.size()), unmade(environments.size());
   for (const std::size_t i : stepped) steps[i] = 1;
   for (VectorOutput& each : outputs) begin_rows(each);
@@ -280,7 +282,7 @@ void VectorSimulationImpl::step(Environments stepped, const std::function<void(S
   for (const std::size_t i : all) {
     if (unmade[i] != 0) failed.push_back(i);
   }
-  throw_any(failures);
+  throw_any(failures, failed.empty() ? steps : unmade);
 }
 
 const VectorOutput& VectorSimulationImpl::output(std::string_view sensor, std::string_view output) {

@@ -46,15 +46,16 @@ struct VectorSimulationImpl {
   /// thrown.
   Failures for_each(Environments environments, const std::function<void(std::size_t)>& work,
                     const std::function<void()>& after = {}) const;
-  /// Throws the first failure, one of a frame that was not made if there is one, and says which environments have
-  /// failed.
-  static void throw_any(const Failures& failures);
+  /// Throws the first failure, and says which environments have failed. Those whose number in `preferred` is not 0 come
+  /// before the others; empty: all are alike.
+  static void throw_any(const Failures& failures, const std::vector<std::uint8_t>& preferred = {});
   /// Calls `work`, which is about one environment; the message of its error says which.
   static void call_named(std::size_t environment, const std::function<void()>& work);
 
   /// Calls `make_frame` for these environments, and collects the outputs of all. An environment that does not give an
   /// output in its shape makes no frame, or has made it if the scene was changed within the frame. Its row there shows
-  /// nothing.
+  /// nothing. Throws a failure of a frame that was not made; if there is none, one of an environment that was stepped;
+  /// and else one of the others.
   void step(Environments stepped, const std::function<void(Simulation&)>& make_frame);
   const VectorOutput& output(std::string_view sensor, std::string_view output);
   /// Throws InputError if an environment, whose scene may have been changed, does not give the output in its shape.

@@ -25,6 +25,7 @@ ViewLayer::ViewLayer(GroupPtr root, Audience audience, LazyDevice& device_of_sim
       ignored(audience),
       caster(device.host_caster()),
       list(&flattener.update()) {
+  plan.threads = caster->threads();
   if (device.instrumented()) renderer.emplace(device.open());
 }
 

@@ -9,10 +9,12 @@
 
 // Marks a function that is compiled once for machines with AVX2 and once for all others; the version is selected when
 // the program starts. clang needs the mark at the first declaration and in every file that calls the function, so the
-// function is private to its file. It passes no SIMD vectors itself, since clang refuses calls between a function with
-// AVX and one without; what it calls may do so once it is inlined.
+// function is called in its own file only. It passes no SIMD vectors itself, since clang refuses calls between a
+// function with AVX and one without; what it calls may do so once it is inlined.
 // With the address sanitizer there is only the version for all others, so that tests cover it on every machine.
 // With the thread sanitizer too: the choice at the start of the program would run before the sanitizer is ready.
+// engine/base/srgb.cpp has intrinsics for AVX2 in place of two versions of one function, and selects them at each call,
+// with sanitizers too.
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SIMVIS_FOR_EACH_MACHINE __attribute__((target_clones("avx2", "default")))
 #else

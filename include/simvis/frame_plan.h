@@ -174,6 +174,7 @@ struct FramePlan {
   std::vector<RayCast> casts{};          ///< after the passes
   std::vector<PlannedEffect> effects{};  ///< shown by due sensors
   std::vector<PlannedMemory> memory{};   ///< all device memory
+  unsigned threads = 0;                  ///< of sensors that compute in collect(), as SimulationDesc::threads
 };
 
 /// A pass of a plan in drawing order.

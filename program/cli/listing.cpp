@@ -18,7 +18,7 @@ std::string scene_listing(const std::string& scene, const SimulationDesc& desc, 
 SceneCheck scene_check(const std::string& scene, const SimulationDesc& desc) {
   if (scene.empty()) throw InputError("SCENE.xml is missing, expected a scene to check; see --help");
   const LiveScene live(desc.overrides, read_commands(scene), desc.seed, {}, desc.packages, desc.strict);
-  const std::vector<std::string> problems = check_scene(live.built);
+  const std::vector<std::string> problems = check_scene(live.built, desc.threads);
   SceneCheck result{.text = {}, .warnings = live.built.scene.warnings(), .has_problems = !problems.empty()};
   for (const std::string& problem : problems) result.text += problem + "\n";
   const std::string count = problems.empty() ? "no problems" : std::to_string(problems.size()) + " problem";

@@ -68,8 +68,8 @@ void check_part_opacities(const BuiltScene& built, std::vector<std::string>& pro
   }
 }
 
-void check_solids(const BuiltScene& built, std::vector<std::string>& problems) {
-  for (const SolidAround& solid : seen_solids_around(built)) {
+void check_solids(const BuiltScene& built, unsigned threads, std::vector<std::string>& problems) {
+  for (const SolidAround& solid : seen_solids_around(built, threads)) {
     const std::string name = solid.mesh.empty() ? std::string() : ", mesh " + in_quotes(solid.mesh);
     problems.push_back(at_place(solid.sensor->command.where,
                                 "sensor " + in_quotes(solid.sensor->name) + " is inside a solid of part " +
@@ -79,11 +79,11 @@ void check_solids(const BuiltScene& built, std::vector<std::string>& problems) {
 
 }  // namespace
 
-std::vector<std::string> check_scene(const BuiltScene& built) {
+std::vector<std::string> check_scene(const BuiltScene& built, unsigned threads) {
   std::vector<std::string> problems;
   check_part_sizes(built, problems);
   check_part_opacities(built, problems);
-  check_solids(built, problems);
+  check_solids(built, threads, problems);
   return problems;
 }
 

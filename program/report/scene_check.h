@@ -14,7 +14,7 @@ inline constexpr double kMaxPartSize_m = 1000;  ///< a larger part is taken for 
 ///   a part whose own shapes reach over kMaxPartSize_m or more along x, y or z
 ///   a sensor within a solid: where the winding number of a visible, opaque mesh is 1. A camera whose near distance
 ///   leaves out the whole solid is none.
-/// The warnings of the scene are not among them.
-std::vector<std::string> check_scene(const BuiltScene& built);
+/// The warnings of the scene are not among them. `threads` as SimulationDesc::threads.
+std::vector<std::string> check_scene(const BuiltScene& built, unsigned threads = 0);
 
 }  // namespace simvis

@@ -4,11 +4,17 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string_view>
 
 #include <simvis/effect.h>
 #include "engine/base/thread_pool.h"
 
 namespace simvis {
+namespace {
+
+constexpr std::string_view kGaussianSplats = "gaussian_splats";  // the effect
+
+}  // namespace
 
 void plan_splat_rays(const DrawList& list, const std::string& rays, std::uint64_t max_rays, const std::string& sensor,
                      FramePlan& plan) {
@@ -20,7 +26,11 @@ void plan_splat_rays(const DrawList& list, const std::string& rays, std::uint64_
   plan.casts.push_back({.name = sensor,
                         .reason = rays + ", through " + std::to_string(splats) + " Gaussian splats, on the host",
                         .max_rays = max_rays});
-  plan.effects.push_back({sensor, "gaussian_splats", std::string(find_effect_type("gaussian_splats")->source)});
+  const bool is_planned = std::ranges::any_of(
+      plan.effects, [&](const PlannedEffect& each) { return each.sensor == sensor && each.effect == kGaussianSplats; });
+  if (is_planned) return;
+  plan.effects.push_back(
+      {sensor, std::string(kGaussianSplats), std::string(find_effect_type(kGaussianSplats)->source)});
 }
 
 CameraSplats::CameraSplats(const CameraLayout& layout, const CameraViews& views, double near_m)

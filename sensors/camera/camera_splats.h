@@ -18,8 +18,8 @@
 
 namespace simvis {
 
-/// Lists rays through the splats of a list in the plan. `rays` names them for people: "the centre of each pixel of
-/// camera CAM".
+/// Lists rays through the splats of a list in the plan, and their effect once for each sensor. `rays` names them for
+/// people: "the centre of each pixel of camera CAM".
 void plan_splat_rays(const DrawList& list, const std::string& rays, std::uint64_t max_rays, const std::string& sensor,
                      FramePlan& plan);
 

@@ -19,8 +19,7 @@
 // State    0: measured; 1: nothing is seen; 2: hidden from the second viewpoint; 3: outside its image; 4: beyond
 //          depth_min or depth_max, or with a disparity that is not above 0. Where it is not 0, depth is +infinity.
 // Splats   The surface of a pixel, from either viewpoint, is the splat behind which at most half of the light is left,
-// if
-//          it comes before what the ray hits (engine/splats/splat_rays.h). Where the surface of a pixel, or what the
+//          if it comes before what the ray hits (engine/splats/splat_rays.h). Where the surface of a pixel, or what the
 //          second viewpoint sees in the direction of that surface, is a splat, the pixel is hidden if their disparities
 //          differ by more than a pixel: two viewpoints see the half of a soft cloud at slightly different places.
 //          Splats send their own light: a projected pattern is taken to be seen on them as on any surface.
@@ -29,8 +28,7 @@
 //          is that of a pinhole. Images are not rectified. Disparities are those of the rectified pair, whose pinhole
 //          is that of the calibration, so that only surfaces in front of the viewpoints are measured.
 // Values   value("depth_error_bound_m") bounds the errors of all depths before noise and rounding; +infinity with
-// depths
-//          of splats.
+//          depths of splats.
 // Limits   The matching of images is not simulated: no windows, no texture, no interference of projectors. Surfaces
 //          whose distance is below a millionth of that from the second viewpoint do not hide each other.
 #pragma once

@@ -243,7 +243,7 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
   context_.time = time;
   select_beams();
   to_cast_.clear();
-  const ShapeRanges* const shapes = survey_ || renders() ? cast_shapes() : nullptr;
+  const ShapeRanges* const shapes = survey_ || renders() ? cast_shapes(plan.threads) : nullptr;
   if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_, shapes);
   if (!renders()) return;
   rendered_->collect(plan, results, rounding_, shapes);
@@ -260,12 +260,12 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
 }
 
 // The bounds of rendered ranges need the true ranges of shapes that are drawn with flat sides. Null: there are none.
-const ShapeRanges* LaserScanner::cast_shapes() {
+const ShapeRanges* LaserScanner::cast_shapes(unsigned threads) {
   if (!can_render(desc_) || !shapes_.find(*list_)) return nullptr;
   if (shape_directions_.empty()) {  // a scanner that renders has the same beams in each frame, from one origin
     for (std::size_t i = 0; i < beams_.size(); ++i) shape_directions_.push_back(beams_.direction(i));
   }
-  shapes_.cast(*list_, context_.world_from_sensor, shape_directions_);
+  shapes_.cast(*list_, context_.world_from_sensor, shape_directions_, threads);
   return &shapes_;
 }
 

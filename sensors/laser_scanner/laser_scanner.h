@@ -143,7 +143,7 @@ class LaserScanner : public Sensor, public Stateful {
   void update_effects(const DrawList& list);
   std::string traced_for() const;
   std::string cast_reason() const;
-  const ShapeRanges* cast_shapes();
+  const ShapeRanges* cast_shapes(unsigned threads);
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
   bool casts_every_beam() const;

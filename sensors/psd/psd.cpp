@@ -78,7 +78,8 @@ Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
       desc_(desc),
       curve_(std::move(curve)),
       random_(desc.seed, name_),
-      pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)) {
+      pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)),
+      rim_squared_(std::tan(desc.opening_rad / 2) * std::tan(desc.opening_rad / 2)) {
   set_constant("radiation_type", kInfraredRange);
   set_constant("field_of_view_rad", desc.opening_rad);
   set_constant("range_min_m", desc.limits.min_m);
@@ -135,10 +136,7 @@ glm::dvec2 Psd::place_of(std::size_t pixel) const {
           (static_cast<double>(y) + 0.5 - pinhole_.cy_px) / pinhole_.fy_px};
 }
 
-bool Psd::is_in_cone(const glm::dvec2& place) const {
-  const double rim = std::tan(desc_.opening_rad / 2);
-  return place.x * place.x + place.y * place.y <= rim * rim;
-}
+bool Psd::is_in_cone(const glm::dvec2& place) const { return place.x * place.x + place.y * place.y <= rim_squared_; }
 
 // Replaces what is drawn by the splats before it.
 void Psd::stop_at_splats(unsigned threads) {

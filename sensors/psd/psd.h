@@ -67,6 +67,7 @@ class Psd : public ReadingSensor {
   VoltageCurve curve_;
   SensorRandom random_;
   Pinhole pinhole_;
+  double rim_squared_;              // square of the cone's radius on the plane at 1 m, in m^2
   const DrawList* list_ = nullptr;  // of this frame, as all that follows
   FrameTime time_;
   std::size_t pass_ = 0;  // in the plan

@@ -65,9 +65,9 @@ void ShapeRanges::place(const DrawList& list) {
 }
 
 void ShapeRanges::cast(const DrawList& list, const glm::dmat4& world_from_sensor,
-                       std::span<const glm::dvec3> directions) {
+                       std::span<const glm::dvec3> directions, unsigned threads) {
   if (caster_ == nullptr) {
-    caster_ = make_host_ray_caster();
+    caster_ = make_host_ray_caster({}, threads);
     shapes_.materials = {std::make_shared<const Material>()};
     shapes_.material_revision = {0};
   }

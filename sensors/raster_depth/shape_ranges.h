@@ -30,8 +30,9 @@ class ShapeRanges {
   bool find(const DrawList& list);
 
   /// Casts beams into the shapes of the list of the last find(): `directions[i]` is the unit vector of beam i in the
-  /// sensor frame.
-  void cast(const DrawList& list, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions);
+  /// sensor frame. `threads` as SimulationDesc::threads, the same at each call.
+  void cast(const DrawList& list, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
+            unsigned threads);
 
   /// The rendered range of a beam with a bound that includes the distance of the drawn mesh from its shape.
   RangeEstimate widened(std::size_t beam, const RangeEstimate& rendered) const;

@@ -76,6 +76,34 @@ TEST_CASE("with one thread, sensors that cast into worlds of their own start no 
   CHECK(threads_of_process() == threads);
 }
 
+// Threads of the driver have names of their own or start in the first frame. So threads with the name of the process
+// are counted after it, and the sphere, into which the scanner casts, is shown in the second frame.
+TEST_CASE("with one thread, scanners that render cast into round shapes on no other") {
+  const auto own_threads = [] {
+    const std::string process = read_text("/proc/self/comm");
+    std::ptrdiff_t count = 0;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+      count += read_text(task.path() / "comm") == process;
+    }
+    return count;
+  };
+  SimulationDesc desc;
+  desc.threads = 1;
+  Simulation simulation = Simulation::from_string(
+      "<s><part name='WALL' insert_at='ROOT' shape='box' size='0.2 40 40' pose_offset='6 0 0 0 0 0'/>"
+      "<part name='AT' insert_at='ROOT'/><element type='visibility' name='SHOW' insert_at='AT' visible='0'/>"
+      "<part name='BALL' insert_at='AT' shape='sphere' radius='1' pose_offset='3 0 0 0 0 0'/>"
+      "<sensor type='laser_scanner' name='S' insert_at='ROOT' method='planar' samples='4000'/></s>",
+      desc);
+  simulation.step();
+  CHECK(simulation.diagnostics().frame_plan().threads == 1);
+  const std::ptrdiff_t threads = own_threads();
+  simulation.set("SHOW", "visible", 1);
+  simulation.step();
+  CHECK(own_threads() == threads);
+  CHECK(simulation.scan("S").range_m[2000] < 3);  // the ball is seen, not the wall
+}
+
 TEST_CASE("--threads takes a whole number up to 1024") {
   const TemporaryFolder folder;
   const std::string scene = write_wall_scene(folder.path(), kThreadedSensors).string();

@@ -269,6 +269,21 @@ TEST_CASE("an error of a frame that was not made comes before those of consumers
   CHECK_FALSE(vector.environment(2)->last_frame().has_value());
 }
 
+TEST_CASE("an environment that is not stepped and lacks an output does not hide the error of a consumer") {
+  const TemporaryFolder folder;
+  VectorSimulation vector = room();
+  vector.environment(1)->record({.file = folder / "run.mcap"});
+  std::filesystem::create_directory(folder / "run.mcap");  // no recording can be made here
+  static_cast<void>(vector.output("NOISY", "range_m"));
+  vector.environment(0)->execute("<remove name='NOISY'/>");
+  const std::string message = message_of<OutletError>([&] { vector.step(std::array<std::size_t, 1>{1}); });
+  CHECK(contains(message, "recording: "));
+  CHECK(contains(message, "(environment 1; these have failed too: 0)"));
+  CHECK(vector.failed().empty());
+  CHECK(vector.environment(1)->last_frame()->index == 0);
+  CHECK(contains(error_of([&] { vector.step(std::array<std::size_t, 1>{1}); }), "(environment 0)"));
+}
+
 TEST_CASE("an environment without an output has nothing there, makes no frame, and shows its other outputs") {
   VectorSimulation vector = room(2, kNoise + "<sensor type='laser_scanner' name='KEPT' insert_at='ROBOT'/>");
   const VectorOutput& missing = vector.output("NOISY", "range_m");

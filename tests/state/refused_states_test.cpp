@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include <simvis/simulation.h>
 #include <simvis/state_archive.h>
 #include "elements/sensed_physics.h"
+#include "sensors/camera/camera_moment.h"
 #include "sensors/event_camera/event_pixels.h"
 #include "sensors/sensor_state.h"
 #include "simvis/built_scene.h"
@@ -256,6 +258,7 @@ TEST_CASE("a state that names more values than it has is refused before memory i
         "<part name='BALL' insert_at='AT' shape='sphere' radius='0.2' pose_offset='2 0 0 0 0 0'/>"
         "<element type='trail' name='TRAIL' insert_at='ROOT' part='BALL'/>"
         "<sensor type='camera' name='FLOW' insert_at='ROOT' outputs='flow_forward occlusion' row_time='0.001' " +
+        pixels + "/><sensor type='stereo_camera' name='TWO' insert_at='ROOT' baseline='0.1' outputs='flow_forward' " +
         pixels +
         "/><sensor type='laser_scanner' name='AUTO' insert_at='ROOT' samples='5' method='auto' max_error_rel='0.01' "
         "resolution='16'/><element type='laser_beams' name='BEAMS' insert_at='ROOT' scanner='AUTO'/>"
@@ -269,8 +272,8 @@ TEST_CASE("a state that names more values than it has is refused before memory i
   };
   Simulation simulation = load();
   const std::string state = simulation.save_state();
-  for (const char* const title : {"element \"TRAIL\"", "sensor \"FLOW\"", "sensor \"AUTO\"", "the scans that are shown",
-                                  "the motion that sensors follow"}) {
+  for (const char* const title : {"element \"TRAIL\"", "sensor \"FLOW\"", "sensor \"TWO\"", "sensor \"AUTO\"",
+                                  "the scans that are shown", "the motion that sensors follow"}) {
     CAPTURE(title);
     const std::size_t begin = values_of(state, title);
     std::uint64_t size = 0;
@@ -288,6 +291,28 @@ TEST_CASE("a state that names more values than it has is refused before memory i
   }
   simulation.restore_state(state);
   CHECK(simulation.save_state() == state);
+}
+
+// The scene of two eyes is written with the first one.
+TEST_CASE("an eye whose scene is that of the other eye is refused if the other eye has none") {
+  const DrawList list{};
+  CameraMoment moment;
+  moment.scene = std::make_shared<const KeptScene>(KeptScene{.list = list, .shape = {}, .moves = {}});
+  MomentHistory left, right;
+  left.add(moment);
+  right.add(moment);
+  StateArchive written;
+  right.archive(written, &left);
+  const auto read_beside = [&](const MomentHistory* beside) {
+    StateArchive state(written.bytes());
+    MomentHistory restored;
+    restored.archive(state, beside);
+    return restored.now()->scene;
+  };
+  const MomentHistory without{};
+  CHECK(read_beside(&left) == moment.scene);
+  CHECK_THROWS_AS(read_beside(&without), InputError);
+  CHECK_THROWS_AS(read_beside(nullptr), InputError);
 }
 
 TEST_CASE("memory follows what a state has, not the number of values that it names") {
