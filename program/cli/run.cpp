@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -92,7 +91,7 @@ void Run::begin_services() {
                     SimulationServicesDesc{.changes = options_.dds_requests,
                                            .resets = can_go_back,
                                            .folders = request_folders(options_),
-                                           .quit = [] { std::raise(SIGTERM); }});
+                                           .quit = ask_to_stop});
 }
 
 bool Run::prepare() {
@@ -150,8 +149,10 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
       ++frame;
       continue;
     }
+    const std::int64_t expected_ns = simulation_.next_frame().time_ns;
     const std::optional<FrameTime> time = next_time();
     if (!time) break;
+    if (services_ && time->time_ns < expected_ns) frame = 0;  // a reset
     if (frame >= first_frame) begin_outlets();
     const std::int64_t start_ns = now_ns();
     if (!step()) continue;  // it is tried again
@@ -171,6 +172,13 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
 void Run::apply_trajectory() {
   if (!trajectory_) return;
   trajectory_->apply(static_cast<double>(simulation_.next_frame().time_ns) / 1e9, simulation_.parameters());
+}
+
+/// The simulation has started again, perhaps while the run waited for the wall clock of a frame that it no longer
+/// makes.
+void Run::follow_reset() {
+  if (real_time_) real_time_->restart(control_.pace());
+  apply_trajectory();
 }
 
 void Run::serve_clients() {
@@ -206,7 +214,7 @@ std::optional<FrameTime> Run::next_time() {
   } while (!control_.makes_frame() && received_signal() == nullptr);
   control_.begin_frame();
   FrameTime time = simulation_.next_frame();
-  if (time.time_ns < expected_ns) apply_trajectory();  // the simulation has started again
+  if (time.time_ns < expected_ns) follow_reset();
   if (follower_ != nullptr) time = follow().value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
   if (std::ranges::any_of(outlets_, &RunOutlet::shows_all_content)) {
@@ -229,7 +237,7 @@ bool Run::step() {
   } catch (const OutletError&) {
     outlet_failure_ = std::current_exception();
   } catch (const InputError& error) {
-    if (!control_.is_changed()) throw;
+    if (!control_.is_changed() && !(services_ && services_->is_changed())) throw;
     control_.pause();
     if (live_ != nullptr) live_->show_failure(error);
     if (!services_) return false;
@@ -250,7 +258,7 @@ void Run::keep(const FrameTime& time, double step_ms) {
 
 void Run::finish(WarningPrinter& warnings) {
   if (services_) {
-    services_->end_steps("the run has ended");
+    services_->end();
     services_->serve();
   }
   const bool stopped = received_signal() != nullptr;

@@ -36,6 +36,10 @@ void handle_signals() {
 
 void defer_signals() { deferred = 1; }
 
+void ask_to_stop() {
+  if (received == 0) received = SIGTERM;
+}
+
 const char* received_signal() { return received == 0 ? nullptr : ::strsignal(received); }
 
 void stop_if_asked_to() {

@@ -20,6 +20,9 @@ void handle_signals();
 /// From now on the first signal only sets received_signal(); the second one ends the program at once.
 void defer_signals();
 
+/// Ends the run as SIGTERM does, whether or not a signal came before or SIGTERM is ignored.
+void ask_to_stop();
+
 /// The name of the signal, "Interrupt"; null: none came.
 const char* received_signal();
 

@@ -91,6 +91,7 @@ void Network::execute(const std::string& bytes, const Execute& execute) {
   try {
     request = ros::decode<ros::String>(bytes).data;
     folders_.carry_out([&] { execute(folders_.parse(request, name)); });
+    changed_ = true;
     say(name + ": done", false);
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     say(without_file_content(error.what(), request), true);
@@ -113,6 +114,7 @@ void Network::set(Parameters& parameters, const std::string& bytes) {
       }
     }
     for (const auto& [index, value] : values) parameters.set(index, value);
+    changed_ = true;
   } catch (const InputError& error) {
     say(error.what(), true);
   }
@@ -191,7 +193,11 @@ void Network::answer_requests(Parameters& parameters) {
   const std::uint64_t lost = lost_replies_.exchange(0);
   if (lost > 0) say(std::to_string(lost) + " replies were lost: their clients do not take them", false);
   for (const ParameterService& service : parameter_services()) {
-    answer(service.name, [&](std::string_view bytes) { return service.answer(parameters, names_, bytes); });
+    answer(service.name, [&](std::string_view bytes) {
+      std::string sent = service.answer(parameters, names_, bytes);
+      changed_ = changed_ || service.name.starts_with("set_");
+      return sent;
+    });
   }
 }
 
@@ -215,17 +221,27 @@ void Network::take(BuiltScene& scene, std::int64_t now_ns, const Execute& execut
 void Network::frame(const Frame& frame) {
   messages_.add_frame(frame);
   if (follow_messages_) follow_messages_->add_frame(frame.scene, frame.time, frame.sensors);
+  add_said(frame.time.time_ns);
+  has_sent_frame_ = true;
+  warn_of_namesake();
+}
+
+void Network::add_said(std::int64_t time_ns) {
   const std::string topic = name_of_node_ + kLog;
   // Asked in each frame, so that patterns match the topic before the first text.
   if (!ros::MessageOutlet::wants<ros::String>(topic)) said_.clear();
   for (const std::string& text : said_) {
-    add({.run = [topic, text, time_ns = frame.time.time_ns](ros::MessageSink& sink) {
-      sink.write(topic, time_ns, ros::String{text});
-    }});
+    add({.run = [topic, text, time_ns](ros::MessageSink& sink) { sink.write(topic, time_ns, ros::String{text}); }});
   }
   said_.clear();
-  has_sent_frame_ = true;
-  warn_of_namesake();
+}
+
+void Network::send_said(std::int64_t time_ns) {
+  try {
+    add_said(time_ns);
+  } catch (const MachineError&) {
+    said_.clear();
+  }
 }
 
 // ROS 2 expects unique names of nodes but does not enforce them.

@@ -43,8 +43,12 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   /// Executes commands of others, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
   /// Executes requests with DdsDesc::requests, then sets values, then applies commands of robots, at the time `now_ns`.
-  /// What is refused is sent on NODE/log with the next frame.
+  /// What is refused is sent on NODE/log by the next frame or send_said().
   void take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute);
+  /// For a paused run, which makes no frame. Errors of earlier frames are left to the next one.
+  void send_said(std::int64_t time_ns);
+  /// Whether a client has executed a request or set values.
+  bool is_changed() const { return changed_; }
 
   /// Offers a service of the node, such as "step_simulation", beside those of its parameters.
   void serve(std::string_view service, std::string_view type);
@@ -77,6 +81,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void answer_requests(Parameters& parameters);
   std::string full_name(std::string_view service) const { return name_of_node_ + "/" + std::string(service); }
   void say(const std::string& text, bool refused);
+  void add_said(std::int64_t time_ns);
   void warn_of_namesake();
 
   std::string name_of_node_;  // the full name
@@ -90,10 +95,10 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   ParameterNames names_;
   CommandSources command_sources_;
   std::map<std::string, CommandInput> command_inputs_;  // by the name of the subscription
-  std::vector<std::string> said_;                       // since the last frame
+  std::vector<std::string> said_;                       // since add_said()
   std::uint64_t received_ = 0, refused_ = 0, dropped_ = 0;
   std::atomic<std::uint64_t> lost_replies_ = 0;  // counted by the recorder's thread too
-  bool has_sent_frame_ = false, has_namesake_ = false;
+  bool has_sent_frame_ = false, has_namesake_ = false, changed_ = false;
   std::vector<std::string> warnings_;
   ros::Recorder recorder_;
 };

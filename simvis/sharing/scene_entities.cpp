@@ -14,10 +14,12 @@
 #include <simvis/pose.h>
 #include "elements/pose_rows.h"
 #include "elements/sensed_physics.h"
+#include "engine/base/read_error.h"
 #include "exchange/messages/from_pose.h"
 #include "scenegraph/graph_walk.h"
 #include "simvis/built_scene.h"
 #include "simvis/mount_frame.h"
+#include "simvis/nested_points.h"
 #include "simvis/ros/frame_tree.h"
 
 namespace simvis {
@@ -30,12 +32,15 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 constexpr const char* kRequestName = "request of a service";  // in messages about it
 constexpr std::string_view kNameCharacters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
 
-// A pattern of POSIX. Counts such as {2,9} could need any amount of memory, and \1 any amount of time.
+// A pattern of POSIX. Counts such as {2,9} could need any amount of memory, and \1 any amount of time. glibc compiles
+// the operand of each + twice, so n nested ones need 2^n times the memory.
 class NamePattern {
  public:
   static constexpr std::size_t kMaxLength = 256;
+  static constexpr std::ptrdiff_t kMaxPlus = 6;
   explicit NamePattern(const std::string& text)
       : is_valid_(text.size() <= kMaxLength && text.find_first_of(std::string_view("{\\\0", 3)) == text.npos &&
+                  std::ranges::count(text, '+') <= kMaxPlus &&
                   ::regcomp(&compiled_, text.c_str(), REG_EXTENDED | REG_NOSUB) == 0) {}
   ~NamePattern() {
     if (is_valid_) ::regfree(&compiled_);
@@ -134,7 +139,8 @@ std::vector<std::string> SceneEntities::names(const ros::EntityFilters& filters)
     throw ServiceRefusal(Result::kFailed,
                          "the filter is not valid, expected an extended regular expression of POSIX without { and \\, "
                          "of at most " +
-                             std::to_string(NamePattern::kMaxLength) + " characters");
+                             std::to_string(NamePattern::kMaxLength) + " characters and " +
+                             std::to_string(NamePattern::kMaxPlus) + " +");
   }
   std::vector<std::string> names;
   for (const Object& object : scene().scene.objects().all()) {
@@ -152,21 +158,31 @@ std::optional<glm::dmat4> SceneEntities::world_from(const std::string& point) {
 
 std::optional<ros::EntityState> SceneEntities::state(const std::string& entity) {
   require(entity);
-  const std::optional<glm::dmat4> world_from_entity = world_from(entity);
-  if (!world_from_entity) return std::nullopt;
+  return states(std::span(&entity, 1)).front();
+}
+
+// Walks the graph once for all of them.
+std::vector<std::optional<ros::EntityState>> SceneEntities::states(std::span<const std::string> entities) {
+  const BuiltScene& built = scene();
   FrameTree frames;
-  frames.follow(scene());
+  frames.follow(built);
   const std::optional<FrameTime> last = simulation_.last_frame();
-  ros::EntityState state;
-  state.header = ros::header_of(last ? last->time_ns : 0, frames.world());
-  state.pose = ros::pose_stamped({.time_ns = 0, .world_from_body = *world_from_entity}, "").pose;
-  const auto physics = find_physics(scene().scene);
-  if (physics == nullptr || placed_.contains(entity)) return state;
-  if (const std::optional<StepMotion::At> motion = physics->state_of(entity)) {
-    state.twist.linear = to_vector3(motion->velocity_of(glm::dvec3((*world_from_entity)[3])));
+  const auto physics = find_physics(built.scene);
+  const std::vector<NestedPoint> points = nested_points(built.scene, entities);
+  std::vector<std::optional<ros::EntityState>> states(entities.size());
+  for (std::size_t i = 0; i < entities.size(); ++i) {
+    glm::dmat4 rigid;
+    if (!points[i].world_from_point || !rigid_mount_frame(*points[i].world_from_point, rigid)) continue;
+    ros::EntityState& state = states[i].emplace();
+    state.header = ros::header_of(last ? last->time_ns : 0, frames.world());
+    state.pose = ros::pose_stamped({.time_ns = 0, .world_from_body = rigid}, "").pose;
+    if (physics == nullptr || placed_.contains(entities[i])) continue;
+    const std::optional<StepMotion::At> motion = physics->state_of(entities[i]);
+    if (!motion) continue;
+    state.twist.linear = to_vector3(motion->velocity_of(glm::dvec3(rigid[3])));
     state.twist.angular = to_vector3(motion->angular_velocity_rad_s);
   }
-  return state;
+  return states;
 }
 
 glm::dmat4 SceneEntities::world_from_frame(const std::string& frame) {
@@ -215,9 +231,15 @@ std::size_t SceneEntities::pose_element(const std::string& entity) {
   return find_pose_element(entity).value();
 }
 
+// All values of the pose, or none.
 void SceneEntities::set_pose(const ElementDescriptor& element, const glm::dmat4& parent_from_child) {
   std::vector<double> values(kPoseValues);
   write_pose(parent_from_child, values);
+  for (std::size_t i = 0; i < kPoseValues; ++i) {
+    const std::string wrong = check_number(element.parameters[i], values[i]);
+    if (wrong.empty()) continue;
+    throw ServiceRefusal(Result::kFailed, element.name + "." + std::string(element.parameters[i].name) + ": " + wrong);
+  }
   for (std::size_t i = 0; i < kPoseValues; ++i) simulation_.parameters().set(element.first_value + i, values[i]);
 }
 
@@ -317,7 +339,7 @@ std::string SceneEntities::spawn(const ros::EntitySpawn& request) {
   }
   try {
     folders_.check(folders_.start() / file);
-    if (!std::filesystem::exists(folders_.start() / file)) {
+    if (!is_there(folders_.start() / file)) {
       throw ServiceRefusal(Result::kNotFound, "there is no file " + in_quotes(file));
     }
     execute(to_xml(CommandKind::part, {{"file", file}, {"name", name}, {"insert_at", "ROOT"}}) +
@@ -330,6 +352,8 @@ std::string SceneEntities::spawn(const ros::EntitySpawn& request) {
   spawned_.push_back(name);
   return name;
 }
+
+bool SceneEntities::is_entity(const std::string& name) { return scene().scene.has_part(name); }
 
 void SceneEntities::remove(const std::string& entity) {
   require(entity);

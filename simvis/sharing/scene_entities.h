@@ -37,6 +37,9 @@ class SceneEntities {
   std::vector<std::string> names(const ros::EntityFilters& filters);
   /// As the scene stands, with the velocity of a body of physics in the last frame. Empty: the entity is switched off.
   std::optional<ros::EntityState> state(const std::string& entity);
+  /// The same of many entities, all of which are there.
+  std::vector<std::optional<ros::EntityState>> states(std::span<const std::string> entities);
+  bool is_entity(const std::string& name);
   /// Puts an entity somewhere, and its body at rest. The codes of a wrong pose are those of SetEntityState.
   void place(const std::string& entity, const ros::EntityState& state);
   /// Returns the name of the new entity.

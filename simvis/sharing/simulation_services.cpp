@@ -75,6 +75,7 @@ std::string SimulationServices::filled(void (SimulationServices::*fill)(const Re
   reply.header = request.header;
   if constexpr (requires { reply.result; }) {
     try {
+      if (!allowed && desc_.changes) throw ServiceRefusal(Result::kIncorrectState, "the run has ended");
       if (!allowed) throw ServiceRefusal(Result::kUnsupported, "expected a simulation with --dds-requests");
       (this->*fill)(request, reply);
     } catch (const ServiceRefusal& refusal) {
@@ -97,6 +98,7 @@ SimulationServices::SimulationServices(Simulation& simulation, RunControl& contr
   } else if (desc_.changes) {
     try {
       start_ = simulation.save_state();
+      start_entities_ = entities_.names({});
     } catch (const InputError& error) {  // a sensor of a plug-in has no state that can be saved
       no_reset_ = error.what();
     }
@@ -113,11 +115,10 @@ void SimulationServices::serve() {
   const SimulationUse use = simulation_.impl();
   Network* const network = use->outlets.find<Network>();
   if (network == nullptr) return;
-  if (!control_.makes_frame()) {
-    network->take(use->scene.built, use->moved_to_ns, [&](std::span<const Command> commands) {
-      use->execute_request(commands);
-      control_.note_change();
-    });
+  if (!control_.makes_frame() && !ended_) {
+    network->take(use->scene.built, use->moved_to_ns,
+                  [&](std::span<const Command> commands) { use->execute_request(commands); });
+    network->send_said(use->moved_to_ns);
   }
   for (const Service& each : services()) {
     network->answer(each.name, [&](std::string_view bytes) { return answer(each.name, bytes); });
@@ -129,7 +130,7 @@ void SimulationServices::serve() {
 std::optional<std::string> SimulationServices::answer(std::string_view service, std::string_view request) {
   const auto found = std::ranges::find(services(), service, &Service::name);
   SIMVIS_ASSERT(found != services().end());
-  std::string bytes = (this->*found->reply)(request, desc_.changes || !found->changes);
+  std::string bytes = (this->*found->reply)(request, !found->changes || (desc_.changes && !ended_));
   if (std::exchange(replies_later_, false)) return std::nullopt;
   return bytes;
 }
@@ -150,11 +151,22 @@ void SimulationServices::end_steps(const std::string& why) {
   steps_.reset();
 }
 
+void SimulationServices::end() {
+  ended_ = true;
+  end_steps("the run has ended");
+}
+
+bool SimulationServices::is_changed() const {
+  const SimulationUse use = simulation_.impl();
+  const Network* const network = use->outlets.find<Network>();
+  return control_.is_changed() || (network != nullptr && network->is_changed());
+}
+
 void SimulationServices::get_features(const ros::EmptyRequest& /*request*/, ros::GetSimulatorFeaturesReply& reply) {
   for (const Service& each : services()) {
-    const bool is_executed = (desc_.changes || !each.changes) && (each.name != kResetService || no_reset_.empty());
-    if (is_executed) std::ranges::copy(each.features, std::back_inserter(reply.features.features));
+    if (desc_.changes || !each.changes) std::ranges::copy(each.features, std::back_inserter(reply.features.features));
   }
+  if (!no_reset_.empty()) std::erase(reply.features.features, Features::kReset);
   if (desc_.changes) {
     for (const std::string& ending : known_part_endings()) reply.features.spawn_formats.push_back(ending.substr(1));
   }
@@ -172,11 +184,12 @@ void SimulationServices::get_state(const ros::EntityRequest& request, ros::GetEn
 }
 
 void SimulationServices::get_states(const ros::EntitiesRequest& request, ros::GetEntitiesStatesReply& reply) {
-  for (const std::string& each : entities_.names(request.filters)) {
-    const std::optional<ros::EntityState> state = entities_.state(each);
-    if (!state) continue;
-    reply.entities.push_back(each);
-    reply.states.push_back(*state);
+  const std::vector<std::string> names = entities_.names(request.filters);
+  const std::vector<std::optional<ros::EntityState>> states = entities_.states(names);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!states[i]) continue;
+    reply.entities.push_back(names[i]);
+    reply.states.push_back(*states[i]);
   }
 }
 
@@ -193,34 +206,43 @@ void SimulationServices::set_state(const ros::SetEntityStateRequest& request, ro
     static_cast<void>(entities_.state(request.entity));  // throws if there is none
     return;
   }
-  control_.note_change();
   entities_.place(request.entity, state);
+  control_.note_change();
 }
 
 void SimulationServices::spawn(const ros::SpawnEntityRequest& request, ros::SpawnEntityReply& reply) {
-  control_.note_change();
   reply.entity_name = entities_.spawn(request.spawn);
+  control_.note_change();
 }
 
 void SimulationServices::spawn_all(const ros::SpawnEntitiesRequest& request, ros::SpawnEntitiesReply& reply) {
-  control_.note_change();
+  constexpr std::size_t kMaxSpawned = 256;  // each one builds the scene anew, and the run waits
+  if (request.spawn_requests.size() > kMaxSpawned) {
+    throw ServiceRefusal(Result::kFailed, std::to_string(request.spawn_requests.size()) +
+                                              " entities, expected at most " + std::to_string(kMaxSpawned) +
+                                              " in one request");
+  }
   bool all = true;
   for (const ros::EntitySpawn& each : request.spawn_requests) {
     ros::SpawnResult& one = reply.results.emplace_back();
     try {
       one.entity_name = entities_.spawn(each);
+      control_.note_change();
+      continue;
     } catch (const ServiceRefusal& refusal) {
       one.result = {refusal.result, refusal.what()};
-      all = false;
+    } catch (const Error& error) {
+      one.result = {Result::kFailed, without_file_content(error.what(), each.entity_resource.uri + each.name)};
     }
+    all = false;
   }
   if (all) return;
   throw ServiceRefusal(ros::SpawnEntitiesReply::kSpawnFailed, "some entities could not be spawned, see their results");
 }
 
 void SimulationServices::remove(const ros::EntityRequest& request, ros::ResultReply& /*reply*/) {
-  control_.note_change();
   entities_.remove(request.entity);
+  control_.note_change();
 }
 
 std::uint8_t SimulationServices::run_state() const {
@@ -269,12 +291,12 @@ void SimulationServices::require_reset() const {
 
 void SimulationServices::stop() {
   require_reset();
-  control_.pause();
   try {
     restart();
   } catch (const InputError& error) {
     throw ServiceRefusal(ros::SetSimulationStateRequest::kTransitionError, without_file_content(error.what(), ""));
   }
+  control_.pause();
   stopped_ = true;
 }
 
@@ -288,17 +310,23 @@ void SimulationServices::step(const ros::StepSimulationRequest& request, ros::Re
 
 void SimulationServices::reset(const ros::ResetSimulationRequest& request, ros::ResultReply& /*reply*/) {
   using Request = ros::ResetSimulationRequest;
-  require_reset();
-  const bool is_all = request.scope == Request::kDefault || request.scope == Request::kAll;
+  constexpr std::uint8_t kEach = Request::kTime | Request::kState | Request::kSpawned;
+  const bool is_all = request.scope == Request::kDefault || (request.scope & kEach) == kEach;
   if (!is_all && request.scope != Request::kSpawned) {
     throw ServiceRefusal(Result::kUnsupported, "scope " + std::to_string(request.scope) +
-                                                   ", expected 0 or 255, all, or 4, the entities that were spawned");
+                                                   ", expected 0, 7 or 255, all, or 4, the entities that were spawned");
   }
+  if (is_all) require_reset();
   if (!control_.is_playing()) control_.pause();  // without the steps that are left
   is_all ? restart() : entities_.remove_spawned();
 }
 
+// What the scene had at the start is not made again, so nothing is removed if some of it was deleted.
 void SimulationServices::restart() {
+  for (const std::string& each : start_entities_) {
+    if (entities_.is_entity(each)) continue;
+    throw InputError("the state is of another scene: " + each + " is missing here, expected all entities of the start");
+  }
   control_.note_change();
   entities_.remove_added();
   simulation_.restore_state(start_);

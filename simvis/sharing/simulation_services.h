@@ -48,6 +48,10 @@ class SimulationServices {
   SIMVIS_PROGRAM_API void follow_frame();
   /// The steps that a client waits for are not made, if there are any.
   SIMVIS_PROGRAM_API void end_steps(const std::string& why);
+  /// The run makes no frame more: changes are refused from now on.
+  SIMVIS_PROGRAM_API void end();
+  /// Whether a client has changed the scene, so that an error of a step may be its own.
+  SIMVIS_PROGRAM_API bool is_changed() const;
   /// The reply to the steps that have been made or have failed since the last call; serve() sends it.
   std::optional<std::string> take_step_reply() { return std::exchange(step_reply_, std::nullopt); }
 
@@ -82,9 +86,10 @@ class SimulationServices {
   RunControl& control_;
   SimulationServicesDesc desc_;
   SceneEntities entities_;
-  std::string start_;                     // the state to which a reset returns
-  std::string no_reset_;                  // why there is none; empty: there is one
-  bool stopped_ = false, quits_ = false;  // stopped: no frame has been made since
+  std::string start_;  // the state to which a reset returns
+  std::vector<std::string> start_entities_;
+  std::string no_reset_;                                  // why there is none; empty: there is one
+  bool stopped_ = false, quits_ = false, ended_ = false;  // stopped: no frame has been made since
   struct Steps {
     ros::RequestHeader header;
     std::uint64_t wanted = 0, left = 0;

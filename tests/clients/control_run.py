@@ -1,7 +1,7 @@
 """Controls a run by the services of simulation_interfaces, as clients of rmw_cyclonedds do: with the package cyclonedds of
 PyPI and types that are written down here from the definitions of simulation_interfaces 2.1.0.
 
-usage: control_run.py DOMAIN NODE
+usage: control_run.py DOMAIN NODE [step | read | reset FRAMES]
 """
 import os
 import random
@@ -96,6 +96,11 @@ class EntityState(IdlStruct, typename=MESSAGES + "EntityState_"):
 
 
 @dataclass
+class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
+    data: str = ""
+
+
+@dataclass
 class Resource(IdlStruct, typename=MESSAGES + "Resource_"):
     uri: str = ""
     resource_string: str = ""
@@ -173,7 +178,7 @@ TYPES = {
     "step_simulation": service("StepSimulation", {"steps": uint64}, {"result": Result}),
     "reset_simulation": service("ResetSimulation", {"scope": uint8}, {"result": Result}),
 }
-OK, FAILED = 1, 4
+UNSUPPORTED, OK, FAILED = 0, 1, 4
 STOPPED, PLAYING, PAUSED, QUITTING = range(4)
 
 
@@ -239,6 +244,54 @@ def entities(client):
     return client.call("get_entities", Filters()).entities
 
 
+def outcome_of(client, request):
+    """Sends a change request until its outcome comes, since the log is not sent before it has readers."""
+    writer = DataWriter(client.participant, Topic(client.participant, f"rt{client.node}/request", String), client.qos)
+    best_effort = Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(100))
+    reader = DataReader(client.participant, Topic(client.participant, f"rt{client.node}/log", String), best_effort)
+    end = time.monotonic() + 60
+    while time.monotonic() < end:
+        writer.write(String(request))
+        time.sleep(0.2)
+        for said in reader.take(100):
+            if hasattr(said, "data"):
+                return said.data
+    raise SystemExit("there was no text on the log")
+
+
+def read(domain, node):
+    """Without the permission to change something."""
+    client = Client(domain, node)
+    assert entities(client) == ["CART"]
+    assert client.call("get_entity_state", "CART").state.pose.position.x == 4
+    check(client.call("delete_entity", "CART").result, UNSUPPORTED)
+    check(client.call("reset_simulation", 0).result, UNSUPPORTED)
+    check(client.call("set_simulation_state", State(PAUSED)).result, UNSUPPORTED)
+    assert entities(client) == ["CART"]
+    print("the run was read")
+
+
+def reset(domain, node, frames):
+    """Of a run of 10 frames each second, at real time, that ends by itself."""
+    client = Client(domain, node)
+    for name in ("get_entity_state", "reset_simulation", "set_simulation_state", "step_simulation"):
+        client.connect(name)
+    while time_s(client) < 3:
+        time.sleep(0.05)
+    start = time.monotonic()
+    check(client.call("reset_simulation", 0).result, OK)
+    while time_s(client) < 2:
+        time.sleep(0.02)
+    # The frame at 2 s begins 2 s after that at 0 s, which comes after the request.
+    assert time.monotonic() - start > 1.9, "the run was faster than the wall clock"
+    check(client.call("set_simulation_state", State(PAUSED)).result, OK)
+    made = round(time_s(client) * 10) + 1  # the first frame is at 0 s
+    result = client.call("step_simulation", 1_000_000).result
+    check(result, FAILED)
+    assert result.error_message.startswith(f"{frames - made} of 1000000 steps were made"), result
+    print("the run was reset")
+
+
 def main(domain, node):
     client, other = Client(domain, node), Client(domain, node)
     features = client.call("get_simulator_features").features.features
@@ -252,6 +305,7 @@ def main(domain, node):
     assert time_s(client) == before
     check(client.call("step_simulation", 5).result, OK)
     assert round((time_s(client) - before) * 100) == 5  # frames of 10 ms
+    assert outcome_of(client, "<nonsense/>")
 
     # Two clients at once: one steps, the other one is refused, and reads and changes meanwhile.
     number = client.send("step_simulation", 1_000_000)
@@ -298,4 +352,9 @@ def main(domain, node):
 
 if sys.argv[3:] == ["step"]:
     Client(int(sys.argv[1]), sys.argv[2]).call("step_simulation", 1_000_000)
-main(int(sys.argv[1]), sys.argv[2])
+if sys.argv[3:] == ["read"]:
+    read(int(sys.argv[1]), sys.argv[2])
+elif sys.argv[3:4] == ["reset"]:
+    reset(int(sys.argv[1]), sys.argv[2], int(sys.argv[4]))
+else:
+    main(int(sys.argv[1]), sys.argv[2])

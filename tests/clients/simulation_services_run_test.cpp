@@ -55,7 +55,11 @@ TEST_CASE("two clients of another implementation's package control a run, with a
     const ControlledScene scene;
     const std::string domain = std::to_string(own_domain());
     Strings command{simvis_run(), "--dds", domain, "--dds-node", "/lab/sim", "--dds-requests", "--rate", "100"};
-    if (with_page) command.insert(command.end(), {"--live", "0", "--real-time", "2"});
+    if (with_page) {
+      command.insert(command.end(), {"--live", "0", "--real-time", "2"});
+      command.insert(command.begin(),
+                     {"sh", "-c", "trap '' TERM; exec \"$@\"", "sh"});  // a client ends it all the same
+    }
     command.push_back(scene.file());
     Process host(command);
     const ProcessResult client =
@@ -71,6 +75,45 @@ TEST_CASE("two clients of another implementation's package control a run, with a
     CHECK(contains(ended.err, "stopped by a signal (Terminated)"));
     CHECK_FALSE(std::filesystem::exists("out/run.json"));
   }
+}
+
+TEST_CASE("a reset at real time goes on at real time, and the frames of --frames are those that follow it") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const auto packages = test::pip_packages({"cyclonedds"});
+  if (!packages) return;
+  const ControlledScene scene;
+  const std::string domain = std::to_string(own_domain());
+  // 20 s, in which the client begins its part.
+  Process host({simvis_run(), "--dds", domain, "--dds-requests", "--rate", "10", "--frames", "200", "--real-time", "1",
+                scene.file()});
+  const ProcessResult client =
+      Process({"python3", SIMVIS_SOURCE_DIR "/tests/clients/control_run.py", domain, "/simvis", "reset", "200"},
+              {"PYTHONPATH=" + packages->string()})
+          .wait(std::chrono::seconds(120));
+  INFO(client.out, client.err, host.err_so_far());
+  CHECK(client.exit_code == 0);
+  CHECK(contains(client.out, "the run was reset"));
+  if (client.exit_code != 0) host.send(SIGINT);
+  const ProcessResult ended = host.wait(std::chrono::seconds(60));
+  CHECK(ended.exit_code == (client.exit_code == 0 ? 0 : 130));
+}
+
+TEST_CASE("without --dds-requests, services that read answer by DDS, and those that change something refuse") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const auto packages = test::pip_packages({"cyclonedds"});
+  if (!packages) return;
+  const ControlledScene scene;
+  const std::string domain = std::to_string(own_domain());
+  Process host({simvis_run(), "--dds", domain, "--rate", "100", scene.file()});
+  const ProcessResult client =
+      Process({"python3", SIMVIS_SOURCE_DIR "/tests/clients/control_run.py", domain, "/simvis", "read"},
+              {"PYTHONPATH=" + packages->string()})
+          .wait(std::chrono::seconds(120));
+  INFO(client.out, client.err, host.err_so_far());
+  CHECK(client.exit_code == 0);
+  CHECK(contains(client.out, "the run was read"));
+  host.send(SIGINT);
+  CHECK(host.wait(std::chrono::seconds(60)).exit_code == 130);
 }
 
 TEST_CASE("the launch file of the ROS package starts simvis-run with the values of a parameter file") {
@@ -111,13 +154,15 @@ TEST_CASE("the launch file of the ROS package starts simvis-run with the values 
   const std::string first = SIMVIS_SOURCE_DIR "/scenes/first/first.xml";
   CHECK(command_of({"scene:=s.xml"}) ==
         Strings{"simvis-run", "--dds", "--dds-node", "simvis", "--real-time", "1", "--dds-requests", "--", "s.xml"});
-  Strings command = command_of({"scene:=" + first, "real_time:=0", "requests:=false", "live:=true",
+  Strings command = command_of({"scene:=" + first, "real_time:=0", "requests:=False", "live:=True",
                                 "params_file:=" + package + "/config/simvis.yaml", "options:=--quiet"});
   CHECK(command == Strings{"simvis-run", "--dds", "--dds-node", "simvis", "--live", "--set", "R_POSE.x=1.5", "--set",
                            "R_POSE.yaw=30.0", "--quiet", "--", first});
   write_text(folder / "own.yaml",
              "/lab/sim:\n  ros__parameters:\n    R_POSE: {x: 1.5}\n    R_POSE.y: 0.25\n"
-             "/other:\n  ros__parameters: {R_POSE: {z: 9.0}}\n/**:\n  ros__parameters: {R_POSE: {yaw: 30.0}}\n");
+             "/other:\n  ros__parameters: {R_POSE: {z: 9.0}}\n"
+             "/**:\n  ros__parameters: {use_sim_time: true, R_POSE: {yaw: 30.0}}\n"
+             "lab/sim:\n  ros__parameters:\n");
   command =
       command_of({"scene:=" + first, "node:=/lab/sim", "real_time:=0", "params_file:=" + (folder / "own.yaml").string(),
                   "options:=--frames 1 --sensor SCANNER --save-state '" + (folder / "a state").string() + "'"});
@@ -125,6 +170,7 @@ TEST_CASE("the launch file of the ROS package starts simvis-run with the values 
     CHECK(std::ranges::count(command, set) == 1);
   }
   CHECK(std::ranges::count(command, "R_POSE.z=9.0") == 0);
+  CHECK(std::ranges::count(command, "use_sim_time=True") == 0);
   if (!has_dds()) return;
   command[0] = simvis_run();
   const ProcessResult run = Process(command, {"ROS_DOMAIN_ID=" + std::to_string(own_domain())}).wait();

@@ -180,6 +180,9 @@ TEST_CASE("each service answers in each state of the run; those that change some
       CHECK(run.entities() == std::vector<std::string>{"BALL", "MOUNT", "CART", "WALL"});
       CHECK(run.state("CART").result.result == ok);
       const auto states = run.ask<ros::GetEntitiesStatesReply>("get_entities_states", ros::EntitiesRequest{});
+      for (std::size_t i = 0; i < std::min(states.states.size(), states.entities.size()); ++i) {
+        CHECK(ros::encode(states.states[i]) == ros::encode(run.state(states.entities[i]).state));
+      }
       CHECK(states.entities == std::vector<std::string>{"BALL", "MOUNT", "CART", "WALL"});
       CHECK(states.states.size() == 4);
       CHECK(run.place("CART", pose_at(1, 2, 3)).result == expected(ok));
@@ -212,7 +215,7 @@ TEST_CASE("the features are those services that are executed") {
     return Features(reply.features.begin(), reply.features.end());
   };
   CHECK(features(ServedRun(false, true)) == Features{10, 24});
-  CHECK(features(ServedRun(true, false)) == Features{0, 1, 10, 11, 24, 25, 26, 31, 32, 50});
+  CHECK(features(ServedRun(true, false)) == Features{0, 1, 10, 11, 23, 24, 25, 26, 31, 32, 50});
   CHECK(features(ServedRun(true, true)) == Features{0, 1, 10, 11, 20, 23, 24, 25, 26, 31, 32, 50});
 }
 
@@ -257,6 +260,7 @@ TEST_CASE("an entity is spawned, or it is said why not") {
       {spawn_of("N", "file://" + outside), Result::kFailed},
       {spawn_of("N", (run.folder / "none.urdf").string()), Result::kFailed},  // as one that is there
       {spawn_of("N", "none.urdf"), Result::kNotFound},
+      {spawn_of("N", std::string(300, 'a') + ".urdf"), Result::kNotFound},  // longer than a name of a file may be
       {spawn_of("N", "http://host/chair.urdf"), Result::kNotFound},
       {spawn_of("N", "${1}.urdf"), Result::kNotFound},
       {spawn_of("N", "a\nb.urdf"), Result::kNotFound},
@@ -286,6 +290,18 @@ TEST_CASE("an entity is spawned, or it is said why not") {
     CHECK(run.entities().size() == before.size() + (each.result == Result::kOk ? 1 : 0));
   }
   CHECK(run.run(1) == 1);  // the scene can be drawn
+  ros::SpawnEntitiesRequest many;
+  many.spawn_requests.resize(257, named);
+  CHECK(run.ask<ros::SpawnEntitiesReply>("spawn_entities", many).result.result == Result::kFailed);
+  CHECK(run.entities("^N$").empty());
+}
+
+TEST_CASE("a pose of which one coordinate is beyond the limits is not set at all") {
+  constexpr double kFar_m = 9e14;  // twice that is more than a coordinate may have
+  ServedRun run;
+  CHECK(run.spawn(spawn_of("CHAIR", "chair.urdf", pose_at(0, kFar_m, 0))).result.result == Result::kOk);
+  CHECK(run.place("WALL", pose_at(1, kFar_m, 0), "CHAIR").result == Result::kFailed);
+  CHECK(distance(matrix_of(run.state("WALL").state.pose), matrix_of(pose_at(6, 0, 0))) <= kServedRounding_m);
 }
 
 TEST_CASE("an entity stands where it was put, in any frame, and so do the parts that track it") {
@@ -404,6 +420,28 @@ TEST_CASE("steps are counted, answered at the last one, and ended by who pauses 
   CHECK(run.control.steps() == 0);
 }
 
+TEST_CASE("when the run has ended, services answer, and change nothing") {
+  ServedRun run;
+  CHECK(run.set_run(2).result == Result::kOk);
+  run.services.end();
+  const auto stepped = run.ask_later<ros::ResultReply>("step_simulation", ros::StepSimulationRequest{{}, 1});
+  REQUIRE(stepped.has_value());
+  CHECK(stepped->result.result == Result::kIncorrectState);
+  CHECK(contains(stepped->result.error_message, "the run has ended"));
+  CHECK(run.remove("WALL").result == Result::kIncorrectState);
+  CHECK(run.entities() == std::vector<std::string>{"BALL", "MOUNT", "CART", "WALL"});
+}
+
+TEST_CASE("only a request that changes the scene makes an error of a step that of a client") {
+  ServedRun run;
+  CHECK(run.spawn(spawn_of("N", "none.urdf")).result.result == Result::kNotFound);
+  CHECK(run.remove("NONE").result == Result::kNotFound);
+  CHECK(run.place("CART", pose_at(kNan, 2, 3)).result != Result::kOk);
+  CHECK_FALSE(run.services.is_changed());
+  CHECK(run.remove("WALL").result == Result::kOk);
+  CHECK(run.services.is_changed());
+}
+
 TEST_CASE("the states of a run, and the changes between them") {
   using Set = ros::SetSimulationStateRequest;
   ServedRun run;
@@ -429,6 +467,7 @@ TEST_CASE("the states of a run, and the changes between them") {
   ServedRun fixed(true, false);
   CHECK(fixed.set_run(0).result == Result::kUnsupported);
   CHECK(fixed.reset().result == Result::kUnsupported);
+  CHECK(fixed.reset(4).result == Result::kOk);  // what was spawned goes without going back in time
   CHECK(fixed.control.is_playing());
 }
 
@@ -457,17 +496,21 @@ TEST_CASE("after a reset come the frames of the start, whatever was spawned, put
   CHECK(run.simulation.next_frame().index == 10);
   CHECK(run.run(1) == 1);
   CHECK(static_cast<double>(run.simulation.scan("EYE").range_m[1]) == doctest::Approx(8.5));
-  for (const std::uint8_t scope : {1, 2, 3, 5, 8, 254}) CHECK(run.reset(scope).result == Result::kUnsupported);
-  for (const std::uint8_t scope : {0, 255}) {
+  for (const std::uint8_t scope : {1, 2, 3, 5, 8, 12, 254}) CHECK(run.reset(scope).result == Result::kUnsupported);
+  for (const std::uint8_t scope : {0, 7, 255}) {
     CHECK(run.spawn(spawn_of("CHAIR", "chair.urdf", pose_at(2, 0, 0))).result.result == Result::kOk);
     CHECK(run.reset(scope).result == Result::kOk);
     CHECK(run.simulation.next_frame().index == 0);
     CHECK(frames() == first);
   }
+  CHECK(run.spawn(spawn_of("CHAIR", "chair.urdf")).result.result == Result::kOk);
   CHECK(run.remove("WALL").result == Result::kOk);
   const Result result = run.reset();  // what the scene had is not made again
   CHECK(result.result == Result::kFailed);
   CHECK(contains(result.error_message, "the state is of another scene"));
+  CHECK(run.set_run(0).result == ros::SetSimulationStateRequest::kTransitionError);
+  CHECK(run.control.is_playing());
+  CHECK(run.entities("CHAIR").size() == 1);
   CHECK(run.run(1) == 1);
 }
 
@@ -488,19 +531,28 @@ TEST_CASE("a removed entity is gone; one that others need stays") {
   CHECK(run.remove("").result == Result::kNotFound);
 }
 
+// "+)+)+)": ends so many nested groups, each of which is repeated.
+std::string plus_of_groups(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += "+)";
+  return text;
+}
+
 TEST_CASE("entities are filtered by names, and a pattern that could take all memory is refused") {
   ServedRun run;
   CHECK(run.entities("^.A") == std::vector<std::string>{"BALL", "CART", "WALL"});
   CHECK(run.entities("ALL$") == std::vector<std::string>{"BALL", "WALL"});
   CHECK(run.entities("(CAR|MOUN)T") == std::vector<std::string>{"MOUNT", "CART"});
   CHECK(run.entities("none").empty());
+  CHECK(run.entities("^" + std::string(6, '(') + "B" + plus_of_groups(6)) == std::vector<std::string>{"BALL"});
   const auto result_with = [&](const auto& change) {
     ros::EntitiesRequest request;
     change(request.filters);
     return run.ask<ros::GetEntitiesReply>("get_entities", request).result.result;
   };
-  for (const std::string& pattern : {std::string("("), std::string("[a"), std::string("a{1,255}"),
-                                     std::string("(a)\\1"), std::string(257, 'a'), std::string("a\0b", 3)}) {
+  for (const std::string& pattern :
+       {std::string("("), std::string("[a"), std::string("a{1,255}"), std::string("(a)\\1"), std::string(257, 'a'),
+        std::string("a\0b", 3), "a" + std::string(7, '+'), std::string(7, '(') + "a" + plus_of_groups(7)}) {
     CAPTURE(pattern);
     CHECK(result_with([&](ros::EntityFilters& all) { all.filter = pattern; }) == Result::kFailed);
   }

@@ -217,7 +217,7 @@ struct StepSimulationRequest {
 
 struct ResetSimulationRequest {
   SIMVIS_MESSAGE("simulation_interfaces/srv/ResetSimulation_Request", header, scope);
-  static constexpr std::uint8_t kDefault = 0, kSpawned = 4, kAll = 255;
+  static constexpr std::uint8_t kDefault = 0, kTime = 1, kState = 2, kSpawned = 4;  // bits
   RequestHeader header;
   std::uint8_t scope = kDefault;
 };

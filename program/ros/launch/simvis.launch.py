@@ -36,8 +36,8 @@ def parameters_in(text, node):
     found = {}
     for key, content in (yaml.safe_load(text) or {}).items():
         if key in ("/**", full_name, full_name.lstrip("/")):
-            found.update(values_in(content.get("ros__parameters", {})))
-    return found
+            found.update(values_in((content or {}).get("ros__parameters") or {}))
+    return {name: value for name, value in found.items() if "." in name}  # not those of ROS, such as use_sim_time
 
 
 def command(arguments):
@@ -45,9 +45,9 @@ def command(arguments):
     line = ["simvis-run", "--dds", "--dds-node", arguments["node"]]
     if float(arguments["real_time"]) > 0:
         line += ["--real-time", arguments["real_time"]]
-    if arguments["requests"] == "true":
+    if arguments["requests"].lower() == "true":
         line.append("--dds-requests")
-    if arguments["live"] == "true":
+    if arguments["live"].lower() == "true":
         line.append("--live")
     if arguments["params_file"]:
         with open(arguments["params_file"], encoding="utf-8") as file:
