@@ -262,7 +262,7 @@ void VectorSimulationImpl::call_named(std::size_t environment, const std::functi
 void VectorSimulationImpl::step(Environments stepped, const std::function<void(Simulation&)>& make_frame) {
   check(stepped);
   // Bytes, because several threads write them. By environment.
-  std::vector<std::uint8_t> steps(environments.size()), unmade(environments.size());
+  std::vector<std::uint8_t> steps(environments.size()), misfits(environments.size()), unmade(environments.size());
   for (const std::size_t i : stepped) steps[i] = 1;
   for (VectorOutput& each : outputs) begin_rows(each);
   const Failures failures = for_each(all, [&](std::size_t i) {
@@ -272,15 +272,17 @@ void VectorSimulationImpl::step(Environments stepped, const std::function<void(S
       if (steps[i] != 0) make_frame(*environments[i]);
     } catch (...) {
       failure = std::current_exception();
-      unmade[i] = steps[i] != 0 && !is_of_consumer(failure) ? 1 : 0;
     }
     const std::exception_ptr misfit = collect_outputs(i);
     if (failure) std::rethrow_exception(failure);
+    misfits[i] = misfit ? 1 : 0;
     if (misfit) std::rethrow_exception(misfit);
   });
   failed.clear();
   for (const std::size_t i : all) {
-    if (unmade[i] != 0) failed.push_back(i);
+    const bool has_failed = steps[i] != 0 && failures[i] && misfits[i] == 0 && !is_of_consumer(failures[i]);
+    unmade[i] = has_failed ? 1 : 0;
+    if (has_failed) failed.push_back(i);
   }
   throw_any(failures, failed.empty() ? steps : unmade);
 }
