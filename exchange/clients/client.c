@@ -70,6 +70,11 @@ static int set_lock(int file, uint64_t byte) {
   return fcntl(file, F_OFD_SETLK, &lock);
 }
 
+static void unlock_all(int file) {
+  struct flock lock = {.l_type = F_UNLCK, .l_whence = SEEK_SET, .l_start = 0, .l_len = 0};
+  fcntl(file, F_OFD_SETLK, &lock);
+}
+
 static int is_locked(int file, uint64_t byte) {
   struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = (off_t)byte, .l_len = 1};
   return fcntl(file, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
@@ -254,7 +259,10 @@ static int take_area(simvis_client* client, const char* name) {
 
 static void unmap(simvis_client* client) {
   if (client->memory != NULL) munmap(client->memory, client->size);
-  if (client->file >= 0) close(client->file); /* lets go of the locks */
+  if (client->file >= 0) {
+    unlock_all(client->file); /* the host, which sent the file, may not have closed its copy yet */
+    close(client->file);
+  }
   client->memory = NULL;
   client->file = -1;
 }
