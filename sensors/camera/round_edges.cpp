@@ -15,6 +15,23 @@ namespace {
 constexpr double kWide_px = 3;
 constexpr int kSlices = 16;
 
+// Whether a point of the mesh's frame lies within a shape, which has no outline from there.
+bool encloses(const ExactSurface& shape, const glm::dvec3& point) {
+  const double along_m = point[shape.axis], half_m = shape.length_m / 2;
+  const double out_m = std::hypot(point[(shape.axis + 1) % 3], point[(shape.axis + 2) % 3]);
+  switch (shape.kind) {
+    case SurfaceKind::sphere:
+    case SurfaceKind::capsule:
+      return std::hypot(out_m, std::max(std::abs(along_m) - half_m, 0.0)) < shape.radius_m;
+    case SurfaceKind::cylinder:
+      return std::abs(along_m) < half_m && out_m < shape.radius_m;
+    case SurfaceKind::cone:
+      return along_m > -half_m && out_m * shape.length_m < shape.radius_m * (half_m - along_m);
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 bool RoundEdges::begin(const DrawList& list, bool clouds) {
@@ -48,18 +65,16 @@ bool RoundEdges::begin(const DrawList& list, bool clouds) {
 // A metre across the ray covers most pixels where it lies along the radius of the image. One pixel more makes up for
 // the outline's place in its pixel, and for the rounding of the deviation.
 std::uint32_t RoundEdges::reach_px(const View& view, double depth_m, std::uint32_t column, std::uint32_t row,
-                                   double deviation_m) const {
+                                   double deviation_m) {
   const Pinhole& p = view.pinhole;
   const double tx = (column + 0.5 - p.cx_px) / p.fx_px, ty = (row + 0.5 - p.cy_px) / p.fy_px;
   const double pixels = std::max(p.fx_px, p.fy_px) * (1 + tx * tx + ty * ty) * deviation_m / depth_m;
   return static_cast<std::uint32_t>(std::min(pixels, 1e6)) + 2;
 }
 
-// One pixel more than between two corners, for rounding.
 void RoundEdges::open(const View& view, const glm::dvec2& low_px, const glm::dvec2& high_px) {
   const glm::dvec2 size(view.width_px, view.height_px);
-  const glm::dvec2 low = glm::clamp(glm::floor(low_px) - 1.0, glm::dvec2(0), size),
-                   high = glm::clamp(glm::ceil(high_px) + 1.0, glm::dvec2(0), size);
+  const glm::dvec2 low = glm::clamp(low_px, glm::dvec2(0), size), high = glm::clamp(high_px, glm::dvec2(0), size);
   open({static_cast<std::uint32_t>(low.x), static_cast<std::uint32_t>(high.x)},
        {static_cast<std::uint32_t>(low.y), static_cast<std::uint32_t>(high.y)}, view.width_px);
 }
@@ -77,20 +92,66 @@ glm::dmat4 RoundEdges::view_from_mesh(const View& view, const Box& box) {
   return view.view_from_world * (is_moved ? moved->world_from_mesh : box.world_from_mesh);
 }
 
-void RoundEdges::open_box(const View& view, const Box& box) {
+// One pixel more than between two corners, for rounding.
+RoundEdges::BoxPixels RoundEdges::pixels_of(const View& view, const Box& box) {
   const glm::dmat4 view_from_mesh = RoundEdges::view_from_mesh(view, box);
   const Pinhole& p = view.pinhole;
-  glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  const glm::dvec2 everywhere(std::numeric_limits<double>::infinity());
+  BoxPixels pixels{everywhere, -everywhere, std::numeric_limits<double>::infinity()};
+  double farthest_m = -pixels.nearest_m;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 at(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                         corner & 4 ? box.high.z : box.low.z);
     const glm::dvec3 q(view_from_mesh * glm::dvec4(at, 1));
-    if (!(q.z > view.near_m)) return open(view, glm::dvec2(0), glm::dvec2(view.width_px, view.height_px));
+    pixels.nearest_m = std::min(pixels.nearest_m, q.z);
+    farthest_m = std::max(farthest_m, q.z);
     const glm::dvec2 px(p.cx_px + p.fx_px * q.x / q.z, p.cy_px + p.fy_px * q.y / q.z);
-    low = glm::min(low, px);
-    high = glm::max(high, px);
+    pixels.low_px = glm::min(pixels.low_px, glm::floor(px) - 1.0);
+    pixels.high_px = glm::max(pixels.high_px, glm::ceil(px) + 1.0);
   }
-  open(view, low, high);
+  if (pixels.nearest_m > view.near_m) return pixels;
+  if (farthest_m < view.near_m) return {};
+  return {-everywhere, everywhere, view.near_m};
+}
+
+void RoundEdges::open_box(const View& view, const Box& box) {
+  const BoxPixels pixels = pixels_of(view, box);
+  open(view, pixels.low_px, pixels.high_px);
+}
+
+// The pixels of the mesh beside which those between both outlines lie may be beyond the border.
+void RoundEdges::open_border(const View& view, const Round& round) {
+  const BoxPixels pixels = pixels_of(view, round.box);
+  const glm::dvec2 size(view.width_px, view.height_px);
+  const bool left =
+      pixels.low_px.x<0, above = pixels.low_px.y<0, right = pixels.high_px.x> size.x, below = pixels.high_px.y> size.y;
+  if (!left && !above && !right && !below) return;
+  const double reach = border_reach_px(view, round, pixels.nearest_m);
+  const glm::dvec2 low = pixels.low_px - reach, high = pixels.high_px + reach;
+  if (left) open(view, low, {std::min(high.x, reach), high.y});
+  if (above) open(view, low, {high.x, std::min(high.y, reach)});
+  if (right) open(view, {std::max(low.x, size.x - reach), low.y}, high);
+  if (below) open(view, {low.x, std::max(low.y, size.y - reach)}, high);
+}
+
+// The largest reach at the border. The depth of the shape there is at least that of its box, and that which a corner of
+// the view has at the distance of the box.
+double RoundEdges::border_reach_px(const View& view, const Round& round, double nearest_m) const {
+  const glm::dmat4 mesh_from_view = glm::inverse(view_from_mesh(view, round.box));
+  const glm::dvec3 camera(mesh_from_view[3]);
+  if (encloses(round.shape, camera)) return 0;
+  const glm::dvec3 away = glm::max(glm::max(round.box.low - camera, camera - round.box.high), 0.0);
+  const double distance_m = glm::length(away) / stretch_of(glm::dmat3(mesh_from_view));
+  const Pinhole& p = view.pinhole;
+  std::uint32_t reach = 0;
+  for (const std::uint32_t column : {0u, view.width_px - 1}) {
+    for (const std::uint32_t row : {0u, view.height_px - 1}) {
+      const glm::dvec3 ray((column + 0.5 - p.cx_px) / p.fx_px, (row + 0.5 - p.cy_px) / p.fy_px, 1);
+      const double depth_m = std::max(nearest_m, distance_m / glm::length(ray));
+      reach = std::max(reach, reach_px(view, depth_m, column, row, static_cast<double>(deviation_m_[round.box.item])));
+    }
+  }
+  return reach;
 }
 
 // The width across the axis that appears least: at the farthest corner of the box, shrunk by the scale that shrinks
@@ -147,7 +208,10 @@ void RoundEdges::add(const Pass& pass, const View& view, const PassResult& resul
   };
   begins_.assign((std::size_t{width} + 1) * height, 0);
   for (const Box& cloud : clouds_) open_box(view, cloud);
-  for (const Round& round : rounds_) open_narrow(view, round);
+  for (const Round& round : rounds_) {
+    open_narrow(view, round);
+    open_border(view, round);
+  }
   for (std::uint32_t y = 0; y < height; ++y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       const std::uint32_t item = result.item_of(place(x, y));

@@ -6,6 +6,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -97,6 +99,62 @@ TEST_CASE("random scenes measure what geometry says") {
   }
   std::printf("%zu values: %zu beside edges, %zu of narrow surfaces, %zu without a bound\n", values, tally.at_edges,
               tally.narrow, tally.unbounded);
+}
+
+/// A lens in a box of 6 m, which the camera sees on all sides, a little farther than `near`.
+CombinedScene lens_in_box(const std::string& lens, const std::array<double, 5>& lens_k, double hfov_deg) {
+  CombinedScene scene;
+  Body carrier, box;
+  carrier.moves = true;
+  carrier.move[1] = {{0, 0, 0, 0, 0, 40}};
+  carrier.kind = ShapeKind::sphere;
+  carrier.offset = {{0, 0, -5, 0, 0, 0}};
+  box.size_m = glm::dvec3(6);
+  scene.bodies = {carrier, box};
+  SensorDesc camera;
+  camera.kind = SensorKind::stereo_camera;
+  camera.parent = 0;
+  camera.offset = {{0, 0, 5, 0, 0, 0}};
+  camera.hfov_deg = hfov_deg;
+  camera.near_m = 2;
+  camera.lens = lens;
+  camera.lens_k = lens_k;
+  camera.outputs = "depth disparity range instance layers flow_backward flow_forward";
+  scene.sensors = {camera};
+  return scene;
+}
+
+/// Whether an output of the last frame has a number like this.
+template <class Is>
+bool has_number(const Measured& measured, const std::string& output, const Is& is) {
+  const MeasuredArray& array = *measured.frames.back()[0].find(output);
+  for (std::size_t i = 0; i < array.count(); ++i) {
+    if (is(array.number(i))) return true;
+  }
+  return false;
+}
+
+void check_geometry(const CombinedScene& scene, const Measured& measured) {
+  Tally tally;
+  const std::vector<Failure> failures = compare_with_geometry(scene, measured, tally);
+  CHECK(failures.empty());
+  for (std::size_t i = 0; i < failures.size() && i < 3; ++i) FAIL_CHECK(failures[i].text);
+}
+
+TEST_CASE("a fisheye measures what geometry says of surfaces beside and behind it") {
+  const TemporaryFolder folder;
+  const CombinedScene scene = lens_in_box("kannala_brandt", {}, 130);
+  const Measured measured = measure(scene, folder.path());
+  CHECK(has_number(measured, "left_depth", [](double depth_m) { return depth_m < 0; }));
+  check_geometry(scene, measured);
+}
+
+TEST_CASE("places at the fold of a lens with a tangential part do not count") {
+  const TemporaryFolder folder;
+  const CombinedScene scene = lens_in_box("brown_conrady", {-0.09, 0, 0, 0.01, -0.01}, 60);
+  const Measured measured = measure(scene, folder.path());
+  CHECK(has_number(measured, "left_flow_forward", [](double way_px) { return std::isnan(way_px); }));
+  check_geometry(scene, measured);
 }
 
 /// Changes what was measured before it is checked.

@@ -7,13 +7,16 @@
 namespace simvis::combined {
 namespace {
 
-// Whether the radius in the image grows up to this tangent of the angle from the axis, by a slope of at least 0.01.
+// Whether points move apart in the image up to this tangent of the angle from the axis, in all directions, by a slope
+// of at least 0.01. The radial part has the slope below. The tangential part changes it by up to 6 |p| times the
+// tangent.
 bool is_before_fold(const SensorDesc& desc, Real tangent) {
   constexpr int kSteps = 256;
+  const Real tangential = 6 * std::hypot(Real(desc.lens_k[3]), Real(desc.lens_k[4]));
   for (int i = 1; i <= kSteps; ++i) {
     const Real r2 = tangent * tangent * i * i / (kSteps * kSteps);
     const Real slope = 1 + r2 * (3 * desc.lens_k[0] + r2 * (5 * desc.lens_k[1] + r2 * 7 * desc.lens_k[2]));
-    if (slope < Real(0.01L)) return false;
+    if (slope - tangential * std::sqrt(r2) < Real(0.01L)) return false;
   }
   return true;
 }

@@ -151,7 +151,7 @@ class PixelComparison {
     const Real rounding =
         nothing ? Real(0) : with_.rounding_m(hit) + (beside && !rays_.is_cast() ? snapped_m(pixel) : Real(0));
     const bool is_exact = !nothing && (rays_.is_cast() || is_splat);
-    Real bound = is_exact ? rounding + kFloat * depth : largest_bound_m_;
+    Real bound = is_exact ? rounding + kFloat * std::abs(depth) : largest_bound_m_;
     if (has_word(desc_.outputs, "depth_error_bound")) {
       const Real stated = values.number("depth_error_bound");
       if (is_exact) value("depth bound of rays", std::isinf(stated), is_splat ? 1 : 0, 0);
@@ -178,10 +178,13 @@ class PixelComparison {
             along + 3 * kFloat * (nothing ? Real(0) : hit.range_m));
     }
     if (has_word(desc_.outputs, "disparity") && rays_.is_left()) {
-      const Real at_one_m = focal_px(desc_) * Real(desc_.baseline_m), expected = nothing ? Real(0) : at_one_m / depth;
+      // A surface beside or behind the camera is in no rectified image.
+      const bool is_rectified = !nothing && depth > 0;
+      const Real at_one_m = focal_px(desc_) * Real(desc_.baseline_m),
+                 expected = is_rectified ? at_one_m / depth : Real(0);
       const Real allowed =
-          nothing ? Real(0)
-                  : at_one_m / std::max(depth - bound - rounding, depth / 1000) - expected + 4 * kFloat * expected;
+          is_rectified ? at_one_m / std::max(depth - bound - rounding, depth / 1000) - expected + 4 * kFloat * expected
+                       : Real(0);
       value("disparity", static_cast<Real>(values.measurement.find("disparity")->number(values.at)), expected, allowed);
     }
     const bool has_surface = !nothing && !is_splat;
@@ -219,7 +222,7 @@ class PixelComparison {
     Real transmission = 1, before_m = -1;
     for (const ExactHit& hit : pixel.hits) {
       if (layer == kLayers || transmission == 0) break;
-      if (hit.range_m * pixel.ray.z < Real(desc_.near_m)) continue;
+      if (hit.range_m < rays_.near_m(pixel.ray)) continue;
       if (hit.range_m - before_m <= with_.rounding_m(hit)) continue;  // two surfaces at one range count once
       before_m = hit.range_m;
       value("range of layers", values.number("layer_range", layer, kLayers), hit.range_m,

@@ -4,6 +4,31 @@
 #include <cmath>
 
 namespace simvis::combined {
+namespace {
+
+// Whether the image of a lens is drawn on the faces of a cube: a view along the optical axis would lack rays, or have
+// more than four times its pixels.
+bool is_on_cube(const SensorDesc& desc) {
+  if (desc.lens == "none") return false;
+  Vector low(kInfinite), high(-kInfinite);
+  for (int y = 0; y < desc.height_px; ++y) {
+    for (int x = 0; x < desc.width_px; ++x) {
+      const std::optional<Vector> ray = ray_of_pixel(desc, Real(x) + Real(0.5), Real(y) + Real(0.5));
+      if (!ray) continue;
+      if (ray->z <= 0) return true;
+      low = glm::min(low, *ray / ray->z);
+      high = glm::max(high, *ray / ray->z);
+    }
+  }
+  const Vector size_px = (high - low) * Real(focal_px(desc));
+  return size_px.x * size_px.y > 4 * Real(desc.width_px) * Real(desc.height_px);
+}
+
+}  // namespace
+
+ViewRays::ViewRays(const Comparison& comparison, Real right_m)
+    : with_(comparison), right_m_(right_m), is_on_cube_(is_on_cube(comparison.desc())) {}
+
 bool ViewRays::is_cast() const {
   const SensorDesc& desc = with_.desc();
   return desc.lens != "none" || desc.layer != "visible" || has_word(desc.outputs, "normal") ||
@@ -27,7 +52,11 @@ Seen ViewRays::seen() const {
   return layer == "first" ? Seen::any : layer == "visible" ? Seen::half : Seen::opaque;
 }
 
-Real ViewRays::near_m(const Vector& ray) const { return with_.desc().near_m / (ray.z > 0 ? ray.z : Real(1)); }
+Real ViewRays::near_m(const Vector& ray) const {
+  const Real near = with_.desc().near_m;
+  if (is_on_cube_) return near / std::max({std::abs(ray.x), std::abs(ray.y), std::abs(ray.z)});
+  return near / (ray.z > 0 ? ray.z : Real(1));
+}
 
 std::vector<ExactHit> ViewRays::surfaces(const Vector& origin, const Vector& direction, Real share) const {
   std::vector<ExactHit> hits = with_.world.hits(origin, direction, share);

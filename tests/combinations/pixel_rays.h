@@ -21,7 +21,7 @@ struct PixelRay {
 class ViewRays {
  public:
   /// Of two cameras, the right one stands beside the sensor.
-  ViewRays(const Comparison& comparison, Real right_m) : with_(comparison), right_m_(right_m) {}
+  ViewRays(const Comparison& comparison, Real right_m);
 
   const Comparison& with() const { return with_; }
   bool is_left() const { return right_m_ == 0; }
@@ -39,7 +39,7 @@ class ViewRays {
   /// Without the backs of single-sided triangles.
   std::vector<ExactHit> surfaces(const Vector& origin, const Vector& direction, Real share) const;
   Seen seen() const;
-  /// The range of `near` along a ray of the optical frame.
+  /// The range of `near` along a ray of the optical frame. It counts along the axis of the ray's view.
   Real near_m(const Vector& ray) const;
 
   static Vector sensor_of_optical(const Vector& v) { return {v.z, -v.x, -v.y}; }
@@ -50,6 +50,7 @@ class ViewRays {
 
   const Comparison& with_;
   Real right_m_;
+  bool is_on_cube_;
 };
 
 /// The largest difference of places that snapping causes.
