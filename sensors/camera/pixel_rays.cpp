@@ -18,7 +18,8 @@ PixelRays::PixelRays(const CameraLayout& layout, const CameraViews& views, doubl
   directions_.reserve(pixels);
   const Pinhole& p = layout.pinhole;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const double x = static_cast<double>(i % layout.width_px) + 0.5, y = static_cast<double>(i / layout.width_px) + 0.5;
+    const std::size_t column = i % layout.width_px, row = i / layout.width_px;
+    const double x = static_cast<double>(column) + 0.5, y = static_cast<double>(row) + 0.5;
     directions_.push_back(glm::normalize(glm::dvec3((x - p.cx_px) / p.fx_px, (y - p.cy_px) / p.fy_px, 1)));
     near_range_m_[i] = near_m / directions_[i].z;
   }
