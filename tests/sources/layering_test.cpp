@@ -162,7 +162,7 @@ TEST_CASE("an include against the arrows is named") {
                                              {"engine/draw/mesh.cpp", "#include <simvis/image.h>"},
                                              {"scenegraph/scene.cpp", "#include <simvis/step_costs.h>"},
                                              {"import/gltf/a.cpp", "#include \"import/urdf/b.h\""},
-                                             {"sensors/psd/psd.cpp", "#include \"sensors/event_camera/event_camera.h\""},
+                                             {"sensors/psd/psd.cpp", "#include \"sensors/event_camera/edge_touch.h\""},
                                              {"sensors/camera/camera.cpp", "#include <simvis/simulation_desc.h>"},
                                              {"simvis/clock.cpp", "#include \"program/report/scanner_costs.h\""},
                                              {"simvis/parameters.cpp", "#include \"tests/support/error_of.h\""},
