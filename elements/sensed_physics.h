@@ -117,8 +117,8 @@ class SensedPhysics : public Group {
   /// The last step of the body at a point. Empty if there is none, before the first frame, or if the point is not
   /// followed.
   virtual std::optional<StepMotion> motion_of(std::string_view point) const = 0;
-  /// The body at a point after the last step, also if the point is not followed. Empty if there is none, or before the
-  /// first frame.
+  /// Where the body at a point is after the last step, and how it moves. The point need not be followed. Empty if no
+  /// body is there, or before the first frame.
   virtual std::optional<StepMotion::At> state_of(std::string_view point) const = 0;
   /// All bodies and links. They stay the same until elements are added to the scene or removed; none before the first
   /// step.

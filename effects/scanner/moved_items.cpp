@@ -61,7 +61,7 @@ class SeenPath {
   glm::dmat3 world_from_axes_, axes_from_world_;
   glm::dvec3 world_origin_m_, origin_m_;
   double error_rad_;
-  // What follows is that of look_back().
+  // These are set by look_back(), for the time of its rays.
   double back_ = 0, parts_ = 1, error_m_ = 0;
   Displacement then_{};
 };

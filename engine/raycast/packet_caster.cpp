@@ -91,8 +91,7 @@ class ScatteredRays {
   std::array<Waiting, RayPacket::kSides> sides_;
 };
 
-// Whether the first ray and those after it are a bundle that is worth a packet of its own: fewer rays test more boxes
-// for each of them than rays that are tested alone.
+// Whether the first kMinBundle rays lie so close together that a packet of them tests fewer boxes than single rays do.
 bool begins_bundle(std::span<const glm::dvec3> directions, std::span<const RayOrigin> origins) {
   constexpr std::size_t kMinBundle = 8;
   if (directions.size() < kMinBundle) return false;

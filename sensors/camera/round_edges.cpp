@@ -123,8 +123,10 @@ void RoundEdges::open_box(const View& view, const Box& box) {
 void RoundEdges::open_border(const View& view, const Round& round) {
   const BoxPixels pixels = pixels_of(view, round.box);
   const glm::dvec2 size(view.width_px, view.height_px);
-  const bool left =
-      pixels.low_px.x<0, above = pixels.low_px.y<0, right = pixels.high_px.x> size.x, below = pixels.high_px.y> size.y;
+  const bool left = pixels.low_px.x < 0;
+  const bool above = pixels.low_px.y < 0;
+  const bool right = pixels.high_px.x > size.x;
+  const bool below = pixels.high_px.y > size.y;
   if (!left && !above && !right && !below) return;
   const double reach = border_reach_px(view, round, pixels.nearest_m);
   const glm::dvec2 low = pixels.low_px - reach, high = pixels.high_px + reach;

@@ -62,10 +62,12 @@ using Coefficients = std::array<double, kAll>;
 // Largest angle from the axis; its tangent is 1e4.
 constexpr double kPinholeLimit_rad = std::numbers::pi / 2 - 1e-4;
 
-// In focal lengths: 1e-9 pixels at a focal length of 1000 pixels. Rounding errors are a thousandth of it, but for those
-// of tangents near a pole of the divisor, where slopes multiply them: as a share of the tangents in u = 2^-53, of
-// themselves, their square, its three products and the divisor.
-constexpr double kResidual = 1e-12, kTangentError = 6 * 0x1p-53;
+// The largest error of a place that is found, in focal lengths: 1e-9 pixels at a focal length of 1000 pixels. Most
+// rounding errors are a thousandth of it.
+constexpr double kResidual = 1e-12;
+// Bounds the rounding of a tangent, as a share of it. It rounds once itself, once in its square, three times in the
+// products of the square and once in the divisor. Near a pole of the divisor, slopes multiply it.
+constexpr double kTangentError = 6 * 0x1p-53;
 constexpr int kMaxSteps = 200;
 
 // Directions around the axis in which the Jacobian is looked at, and rings of them up to the fold of the radial part.
@@ -152,7 +154,7 @@ class PerspectiveLens : public LensModel {
   double reach() const override { return radius_(fold_rad_); }
 
  private:
-  // Whether the lens without the tilt has the radial part alone.
+  // Whether the lens has neither a tangential part nor a thin prism. A tilt does not matter here.
   bool is_round() const {
     return std::ranges::all_of(std::array{kP1, kP2, kS1, kS2, kS3, kS4}, [&](std::size_t i) { return k_[i] == 0; });
   }
