@@ -55,7 +55,7 @@ def cases(folder, triangles):
         f"an IMU beside a mesh of {triangles:,} triangles": own["imu_mesh"],
         "an IMU on a body of physics": own["physics"],
         "marvin, a scan of 361 beams by raycast": [str(MARVIN), "--sensor", "FRONT_SCANNER", "--method", "raycast"],
-        "marvin, the same by planar": [str(MARVIN), "--sensor", "FRONT_SCANNER"],
+        "marvin, the same by planar": [str(MARVIN), "--sensor", "FRONT_SCANNER", "--method", "planar"],
         "marvin, the robot's camera": [str(MARVIN), "--sensor", "ROBOT_CAM"],
     }
 

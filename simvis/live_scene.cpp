@@ -23,7 +23,7 @@ void check(const AttributeOverride& override) {
   const Location where{.file = origin_of(override)};
   Command command{.kind = CommandKind::sensor, .attributes = {}, .where = where, .folder = {}};
   if (override.value) command.attributes.push_back({override.attribute, *override.value, where});
-  AttributeValues values(command, type->attributes, {});
+  AttributeValues values(command, all_attributes(*type), {});
 }
 
 bool is_allowed(const AttributeOverride& override) {

@@ -86,6 +86,15 @@ std::string all_presets(ReferenceFormat format) {
   return page;
 }
 
+// The rows of the type's own attributes as commands are checked against them: `outputs` has all outputs.
+std::vector<AttributeSpec> own_rows(const SensorType& type) {
+  std::vector<AttributeSpec> rows = all_attributes(type);
+  std::erase_if(rows, [&](const AttributeSpec& row) {
+    return std::ranges::count(type.attributes, row.name, &AttributeSpec::name) == 0;
+  });
+  return rows;
+}
+
 std::string markdown(const SensorType& type) {
   std::string effects;
   for (const EffectType* effect : effect_types()) {
@@ -95,7 +104,7 @@ std::string markdown(const SensorType& type) {
   if (!effects.empty()) effects = "It also takes the attributes of these effects: " + effects + ".\n\n";
   std::string outputs = output_markdown_table(all_outputs(type));
   if (!outputs.empty()) outputs += '\n';
-  return heading("Sensor", type.name) + paragraphs(type.summary, type.notes) + table(type.attributes) + effects +
+  return heading("Sensor", type.name) + paragraphs(type.summary, type.notes) + table(own_rows(type)) + effects +
          outputs + preset_names(type);
 }
 

@@ -123,6 +123,10 @@ TEST_CASE("overrides replace the values of the scene, and are checked without a 
   CHECK(simulation->scan("SCAN").range_m.size() == 7);
   desc.overrides = {{"laser_scanner", "samples", "-7", "--samples"}};
   CHECK(refusal([&] { Simulation::from_string("", desc); }).starts_with("--samples: error: "));
+  for (const auto& [attribute, value] : {std::pair("outputs", "color range"), std::pair("vignetting", "natural")}) {
+    desc.overrides = {{"camera", attribute, value, ""}};  // of a registered output, and of an effect
+    CHECK_NOTHROW(Simulation::from_string("", desc));
+  }
   desc.overrides = {{"laser_scaner", "samples", "7", ""}};
   CHECK(has(refusal([&] { Simulation::from_string("", desc); }), "\"laser_scanner\"?"));
 }
