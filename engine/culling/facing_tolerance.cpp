@@ -52,4 +52,10 @@ std::optional<EyeInMesh> eye_in(const glm::dmat4& view_from_mesh) {
   return EyeInMesh{glm::transpose(axes) * -glm::dvec3(view_from_mesh[3]) / square, std::sqrt(square)};
 }
 
+double squared_presence(const EyeInMesh& eye, const glm::vec3& p, const glm::vec3& q, const glm::vec3& r) {
+  const glm::dvec3 a(p), ab = glm::dvec3(q) - a, ac = glm::dvec3(r) - a, bc = ac - ab;
+  const double volume = glm::dot(glm::cross(ab, ac), eye.place - a);  // h D times the longest side
+  return volume * volume / std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
+}
+
 }  // namespace simvis

@@ -8,13 +8,13 @@
 namespace simvis {
 namespace {
 
-constexpr double kTile_px = 4;
+// Tiles along the seam of two walls hide nothing. Larger ones make seams wider, smaller ones cost more to fill.
+constexpr double kTile_px = 2;
 // Smallest share of the image for an occluder's box; a smaller occluder hides next to nothing.
 constexpr double kMinShare = 1.0 / 256;
-// How far beyond its box an object may be drawn, in addition to the displacement of its corners.
-constexpr double kOutwards_px = 1;
-// Occluders are clipped at this distance beyond the image.
-constexpr double kBeyond_px = 2 * kInwards_px;
+// The rasteriser moves a corner by no more than this: half a step of the coarsest grid that Vulkan allows, and the
+// rounding of the viewport transform.
+constexpr double kSnap_px = 1.0 / 16;
 
 // Returns whether h D of each triangle of the cluster is larger than `least`, in the mesh's unit: see FacingTolerance.
 bool shows_all(const EyeInMesh& eye, double least, const MeshRange& mesh, const Cluster& cluster) {
@@ -23,11 +23,8 @@ bool shows_all(const EyeInMesh& eye, double least, const MeshRange& mesh, const 
   for (std::size_t i = 0; i < corners.size(); i += 3) {
     const glm::vec3 &p = mesh.positions[vertices[corners[i]]], &q = mesh.positions[vertices[corners[i + 1]]],
                     &r = mesh.positions[vertices[corners[i + 2]]];
-    const glm::dvec3 a(p), ab = glm::dvec3(q) - a, ac = glm::dvec3(r) - a, bc = ac - ab;
-    const double volume = glm::dot(glm::cross(ab, ac), eye.place - a);  // h D times the longest side
-    const double square = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
     // A triangle with two corners at one position is never drawn.
-    if (!(volume * volume > least * least * square) && p != q && q != r && r != p) return false;
+    if (!(squared_presence(eye, p, q, r) > least * least) && p != q && q != r && r != p) return false;
   }
   return true;
 }
@@ -56,6 +53,10 @@ void OcclusionCuller::begin(const View& view, const FacingTolerance& limit) {
   pinhole_ = view.pinhole;
   width_ = view.width_px;
   height_ = view.height_px;
+  // As PixelSides::min_z_m(), which is for views of at most 45 degrees to each side.
+  const double tangent = std::max(std::max(pinhole_.cx_px, width_ - pinhole_.cx_px) / pinhole_.fx_px,
+                                  std::max(pinhole_.cy_px, height_ - pinhole_.cy_px) / pinhole_.fy_px);
+  inwards_px_ = kSnap_px + kDisplaced_px / 2 * (1 + std::max(1.0, tangent));
   any_ = false;
   columns_ = static_cast<std::size_t>(std::ceil(width_ / kTile_px));
   rows_ = static_cast<std::size_t>(std::ceil(height_ / kTile_px));
@@ -106,7 +107,7 @@ void OcclusionCuller::add_occluder(std::span<const glm::dvec3> corners, double m
   if (!any_) hidden_below_.assign(columns_ * rows_, 0);
   any_ = true;
   PixelPolygon reach;
-  if (!sides_.keep(corners, min_z_m, reach) && !sides_.cut(corners, kBeyond_px, min_z_m, reach)) return;
+  if (!sides_.keep(corners, min_z_m, reach) && !sides_.cut(corners, 2 * inwards_px_, min_z_m, reach)) return;
   double bent = 0;
   for (const PixelCorner& corner : reach.all()) bent = std::max(bent, std::abs(corner.w - slant.at(corner)));
   const double uncertain_w = std::max(slant.uncertain_w, min_uncertain_w) + bent, half = kTile_px / 2;
@@ -115,10 +116,10 @@ void OcclusionCuller::add_occluder(std::span<const glm::dvec3> corners, double m
   const auto end_row = std::min(rows_, static_cast<std::size_t>(std::max(0.0, bottom.v) / kTile_px) + 1);
   for (std::size_t row = first_row; row < end_row; ++row) {
     const double v = static_cast<double>(row) * kTile_px;
-    const PixelSpan above = reach.at_row(v - kInwards_px),
-                    below = reach.at_row(std::min(v + kTile_px, height_) + kInwards_px);
-    const double first = std::max(0.0, std::max(above.first, below.first) + kInwards_px),
-                 end = std::min(above.end, below.end) - kInwards_px;
+    const PixelSpan above = reach.at_row(v - inwards_px_),
+                    below = reach.at_row(std::min(v + kTile_px, height_) + inwards_px_);
+    const double first = std::max(0.0, std::max(above.first, below.first) + inwards_px_),
+                 end = std::min(above.end, below.end) - inwards_px_;
     if (!(first < end)) continue;
     const auto first_tile = static_cast<std::size_t>(std::ceil(first / kTile_px)),
                end_tile = end >= width_ ? columns_ : static_cast<std::size_t>(end / kTile_px);
@@ -130,21 +131,25 @@ void OcclusionCuller::add_occluder(std::span<const glm::dvec3> corners, double m
   }
 }
 
-// Returns how much nearer, in w, the occluders in front of the box are than the box: a multiple of the difference
-// between the w of its nearest and of its farthest point. 0 if no occluders hide the whole box, or if the box is not
-// entirely within the image.
-double OcclusionCuller::clearance(const ViewBox& box) const {
-  if (!any_) return 0;
-  const double slack = box.slack_m;
-  const glm::dvec3 low = box.center - box.half_size - slack, high = box.center + box.half_size + slack;
-  if (!(low.z > sides_.min_z_m(slack))) return 0;
+ViewExtent OcclusionCuller::extent(const ViewBox& box) const {
+  const glm::dvec3 low = box.center - box.half_size - box.slack_m, high = box.center + box.half_size + box.slack_m;
   const double nearest = 1 / low.z, farthest = 1 / high.z;
-  const double left = pinhole_.fx_px * low.x * (low.x < 0 ? nearest : farthest) + pinhole_.cx_px - kOutwards_px,
-               right = pinhole_.fx_px * high.x * (high.x < 0 ? farthest : nearest) + pinhole_.cx_px + kOutwards_px,
-               top = pinhole_.fy_px * low.y * (low.y < 0 ? nearest : farthest) + pinhole_.cy_px - kOutwards_px,
-               bottom = pinhole_.fy_px * high.y * (high.y < 0 ? farthest : nearest) + pinhole_.cy_px + kOutwards_px;
+  return {.left = pinhole_.fx_px * low.x * (low.x < 0 ? nearest : farthest) + pinhole_.cx_px,
+          .right = pinhole_.fx_px * high.x * (high.x < 0 ? farthest : nearest) + pinhole_.cx_px,
+          .top = pinhole_.fy_px * low.y * (low.y < 0 ? nearest : farthest) + pinhole_.cy_px,
+          .bottom = pinhole_.fy_px * high.y * (high.y < 0 ? farthest : nearest) + pinhole_.cy_px,
+          .nearest_m = low.z,
+          .farthest_m = high.z};
+}
+
+// Returns how much nearer, in w, the occluders in front of the extent are than the extent: a multiple of the difference
+// between the w of its nearest and of its farthest point. 0 if no occluders hide it whole, or if it is not entirely
+// within the image. Its nearest depth is above sides_.min_z_m().
+double OcclusionCuller::clearance(const ViewExtent& extent) const {
+  const double left = extent.left - kSnap_px, right = extent.right + kSnap_px, top = extent.top - kSnap_px,
+               bottom = extent.bottom + kSnap_px;
   if (!(left >= 0 && right <= width_ && top >= 0 && bottom <= height_)) return 0;
-  const double behind = nearest * (1 + kRounding);
+  const double nearest = 1 / extent.nearest_m, farthest = 1 / extent.farthest_m, behind = nearest * (1 + kRounding);
   const auto tile = [](double px) { return static_cast<std::size_t>(px / kTile_px); };
   const std::size_t end_column = std::min(columns_, tile(right) + 1), end_row = std::min(rows_, tile(bottom) + 1);
   float farthest_occluder = std::numeric_limits<float>::infinity();
@@ -157,17 +162,28 @@ double OcclusionCuller::clearance(const ViewBox& box) const {
   return (farthest_occluder - behind) / (nearest - farthest);
 }
 
-// Returns the threshold of h D, see FacingTolerance, that each triangle in the box must exceed to be occluded. Infinite
-// if the box is not occluded.
-double OcclusionCuller::min_seen_m2(const ViewBox& box) const {
-  const double clear = clearance(box);
-  if (!(clear > 0 && limit_.is_usable())) return std::numeric_limits<double>::infinity();
-  const double nearest = box.center.z - box.half_size.z, farthest = box.center.z + box.half_size.z;
-  return limit_.min_m2(nearest, farthest, box.slack_m) * std::max(1.0, 2 / clear);
+double OcclusionCuller::min_seen_m2(const ViewExtent& extent, double slack_m) const {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (!any_ || !limit_.is_usable() || !(extent.nearest_m > sides_.min_z_m(slack_m))) return kNever;
+  const double clear = clearance(extent);
+  if (!(clear > 0)) return kNever;
+  const double nearest = extent.nearest_m + slack_m, farthest = extent.farthest_m - slack_m;
+  return limit_.min_m2(nearest, farthest, slack_m) * std::max(1.0, 2 / clear);
+}
+
+bool OcclusionCuller::hides_middle(const ViewBox& box) const {
+  if (!any_ || !(box.center.z > 0)) return false;
+  const double w = 1 / box.center.z;
+  const auto tile = [&](double focal_px, double place_m, double center_px, std::size_t count) {
+    return static_cast<std::size_t>(
+        std::clamp((focal_px * place_m * w + center_px) / kTile_px, 0.0, static_cast<double>(count - 1)));
+  };
+  return hidden_below_[tile(pinhole_.fy_px, box.center.y, pinhole_.cy_px, rows_) * columns_ +
+                       tile(pinhole_.fx_px, box.center.x, pinhole_.cx_px, columns_)] > w;
 }
 
 bool OcclusionCuller::is_occluded(const ViewBox& box, const glm::dmat4& view_from_mesh, const MeshRange& mesh) const {
-  const double min_m2 = min_seen_m2(box);
+  const double min_m2 = min_seen_m2(extent(box), box.slack_m);
   if (!std::isfinite(min_m2)) return false;
   const std::optional<EyeInMesh> eye = eye_in(view_from_mesh);
   if (!eye) return false;
@@ -185,7 +201,7 @@ bool OcclusionCuller::is_occluded(const ViewBox& box, const glm::dmat4& view_fro
 
 bool OcclusionCuller::is_occluded(const ViewBox& box, const glm::dmat4& view_from_mesh, const MeshRange& mesh,
                                   const Cluster& cluster) const {
-  const double min_m2 = min_seen_m2(box);
+  const double min_m2 = min_seen_m2(extent(box), box.slack_m);
   if (!std::isfinite(min_m2)) return false;
   const std::optional<EyeInMesh> eye = eye_in(view_from_mesh);
   return eye && shows_all(*eye, min_m2 / (eye->unit_m * eye->unit_m), mesh, cluster);

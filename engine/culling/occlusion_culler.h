@@ -2,9 +2,9 @@
 //
 // The image is divided into tiles. An opaque occluder that covers a whole tile lowers the tile's far limit. An object
 // is culled if, in every tile that its screen bounds touch, it lies behind that limit. No pixel that the device would
-// draw is lost, with the device's rounding included: pixel_polygon.h describes how occluders are shrunk. Occludees are
-// grown by one pixel, and in w = 1 / z they are assumed to be nearer by the excess that FacingTolerance::min_m2()
-// bounds.
+// draw is lost, with the device's rounding included: occluders are shrunk by what their corners may be displaced (see
+// pixel_polygon.h). Occludees are grown by the same, and in w = 1 / z they are assumed to be nearer by the excess that
+// FacingTolerance::min_m2() bounds.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -31,6 +31,13 @@ ViewBox view_box(const ViewProjection& projection, const WorldBox& box);
 /// The box of a cluster of a mesh with this transform.
 ViewBox view_box(const glm::dmat4& view_from_mesh, const Cluster& cluster, double slack_m);
 
+/// Where a shape appears at most, in pixels of the view, and its depths along Z, in metres; all of these with the
+/// displacement that rounding may cause.
+struct ViewExtent {
+  double left = 0, right = 0, top = 0, bottom = 0;
+  double nearest_m = 0, farthest_m = 0;
+};
+
 /// Reuses its memory from view to view. Orthographic views are not supported.
 class OcclusionCuller {
  public:
@@ -55,15 +62,23 @@ class OcclusionCuller {
   bool is_occluded(const ViewBox& box, const glm::dmat4& view_from_mesh, const MeshRange& mesh,
                    const Cluster& cluster) const;
 
+  /// Returns whether occluders hide the middle of the box, so that triangles of its content may be hidden too.
+  bool hides_middle(const ViewBox& box) const;
+
+  /// Returns the threshold of h D, see FacingTolerance, that each triangle in the extent must exceed to be occluded.
+  /// Infinite if the extent is not occluded. `slack_m` is part of the extent.
+  double min_seen_m2(const ViewExtent& extent, double slack_m) const;
+
  private:
   void add_occluder(std::span<const glm::dvec3> corners, double min_z_m, const PixelSlant& slant,
                     double min_uncertain_w);
-  double clearance(const ViewBox& box) const;
-  double min_seen_m2(const ViewBox& box) const;
+  ViewExtent extent(const ViewBox& box) const;
+  double clearance(const ViewExtent& extent) const;
 
   PixelSides sides_;
   FacingTolerance limit_;
   double width_ = 0, height_ = 0;
+  double inwards_px_ = 0;  // an occluder certainly fills what lies so far within its edges along both axes
   Pinhole pinhole_;
   bool any_ = false;
   std::size_t columns_ = 0, rows_ = 0;  // number of tiles along each axis

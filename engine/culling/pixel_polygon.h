@@ -23,7 +23,7 @@ namespace simvis {
 inline constexpr double kDisplaced_px = 0.125;
 /// A corner at this distance from a side of the viewport is certainly clipped or certainly kept, whatever the rounding.
 inline constexpr double kSide_px = 1;
-/// The distance by which the edges of an occluder are moved inwards.
+/// The distance by which the edges of an occluder in a strip are moved inwards.
 inline constexpr double kInwards_px = 1;
 /// The bound of the error of w has three terms: kShift_px times the gradient of w; kRounding times w; and kSlope times
 /// the range of w over the triangle, times the area of the box around the triangle over twice the triangle's own area.

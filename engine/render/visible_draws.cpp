@@ -46,7 +46,7 @@ void VisibleDraws::begin(const ViewContext& context) {
   tolerance_ = FacingTolerance(view, raster.snap_px);
   occlusion_.begin(view, tolerance_);
   selects_triangles_ = raster.selects_primitives && cpu_selects_triangles(view, pass);
-  if (selects_triangles_) triangles_.begin(view, pass.supersampling * pass.msaa, raster.snap_px);
+  if (selects_triangles_) triangles_.begin(view, pass.supersampling * pass.msaa, raster.snap_px, occlusion_);
   selects_points_ = raster.selects_primitives && cpu_selects_points(view, pass);
   if (selects_points_) points_.begin(view, pass.supersampling, raster.snap_px, raster.points);
 }
@@ -152,8 +152,10 @@ void VisibleDraws::add_clusters(const ViewContext& context, const DrawCandidate&
     seen_indices += cluster.index_count;
     seen_clusters_.push_back(&cluster);
   }
-  if (selects_triangles_ && (seen_indices >= 3 * kWorthSelecting || !mesh.resident)) {
-    triangles_.place(view_from, planes.slack, culls_backs, candidate.drawable->mirrored);
+  const bool partly_hidden =
+      selects_triangles_ && occlusion_.hides_middle(view_box(context.projection, *candidate.box));
+  if (selects_triangles_ && (partly_hidden || seen_indices >= 3 * kWorthSelecting || !mesh.resident)) {
+    triangles_.place(view_from, planes.slack, culls_backs, candidate.drawable->mirrored, partly_hidden);
     select_triangles(context, candidate);
   } else if (!seen_clusters_.empty() && seen_indices == mesh.index_count) {
     visible_.push_back({.candidate = &candidate});

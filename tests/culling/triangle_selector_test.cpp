@@ -48,6 +48,7 @@ glm::vec3 at_px(double u, double v, double z) {
 TEST_CASE("a triangle is selected unless it shows its back or lies between samples, by more than rounding") {
   constexpr double kSnap_px = 1.0 / 256, kAside_px = 2 * kSnap_px;
   TriangleSelector selector;
+  const OcclusionCuller none;
   // From (100.5, 50.5) to the right and down; in the order of the corners its front is seen.
   const auto triangle = [&](double first_px, double size_px) {
     return std::vector{at_px(100 + first_px, 50 + first_px, 2), at_px(100 + first_px, 50 + first_px + size_px, 2),
@@ -57,8 +58,8 @@ TEST_CASE("a triangle is selected unless it shows its back or lies between sampl
     std::swap(corners[1], corners[2]);
     return corners;
   };
-  selector.begin(selecting_view(), 1, kSnap_px);
-  selector.place(glm::dmat4(1.0), 0, true, false);
+  selector.begin(selecting_view(), 1, kSnap_px, none);
+  selector.place(glm::dmat4(1.0), 0, true, false, false);
   CHECK(selected(selector, triangle(0.3, 0.4)) == 1);
   CHECK(selected(selector, reversed(triangle(0.3, 0.4))) == 0);
   CHECK(selected(selector, triangle(0.6, 0.8)) == 0);                   // the next sample is at 1.5
@@ -77,21 +78,21 @@ TEST_CASE("a triangle is selected unless it shows its back or lies between sampl
   CHECK(selected(selector, {at_px(100.6, 50.6, 0), at_px(100.7, 50.6, 2), at_px(100.6, 50.7, 2)}) == 1);
 
   // Four samples along each axis, at 1/8, 3/8, 5/8 and 7/8.
-  selector.begin(selecting_view(), 4, kSnap_px);
-  selector.place(glm::dmat4(1.0), 0, true, false);
+  selector.begin(selecting_view(), 4, kSnap_px, none);
+  selector.place(glm::dmat4(1.0), 0, true, false, false);
   CHECK(selected(selector, triangle(0.6, 0.2)) == 1);
   CHECK(selected(selector, triangle(0.65, 0.2)) == 0);
 
   // Both sides, and a mirror image, whose sides are exchanged.
-  selector.place(glm::dmat4(1.0), 0, false, false);
+  selector.place(glm::dmat4(1.0), 0, false, false, false);
   CHECK(selected(selector, reversed(triangle(0.3, 0.4))) == 1);
-  selector.place(glm::dmat4(1.0), 0, true, true);
+  selector.place(glm::dmat4(1.0), 0, true, true, false);
   CHECK(selected(selector, triangle(0.3, 0.4)) == 0);
   CHECK(selected(selector, reversed(triangle(0.3, 0.4))) == 1);
 
   // Rounding in space: 1 mm at 2 m is a tenth of a pixel.
-  selector.begin(selecting_view(), 1, kSnap_px);
-  selector.place(glm::dmat4(1.0), 1e-3, true, false);
+  selector.begin(selecting_view(), 1, kSnap_px, none);
+  selector.place(glm::dmat4(1.0), 1e-3, true, false, false);
   CHECK(selected(selector, triangle(0.55, 0.2)) == 1);
   CHECK(selected(selector, triangle(0.9, 0.2)) == 0);
 }
