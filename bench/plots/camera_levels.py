@@ -21,7 +21,7 @@ PANELS = (
 
 
 def numbers(row):
-    return {name: float(text) for name, text in row.items() if name not in ("scene", "camera")}
+    return {name: float(text) for name, text in row.items() if name not in ("scene", "camera", "cheapest_for")}
 
 
 def draw(rows):
