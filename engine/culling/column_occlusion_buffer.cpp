@@ -14,6 +14,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // A triangle is assumed to reach this far beyond its edges.
 constexpr double kStripOutwards_px = 1;
+// It certainly fills what lies this far within its edges, along a row.
+constexpr double kInwards_px = 1;
 
 constexpr std::size_t kMaxVertices = 3 * kClusterTriangles;
 

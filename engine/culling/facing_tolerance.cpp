@@ -9,6 +9,9 @@ namespace {
 // Largest difference of the axes' lengths, and largest deviation from right angles, relative to the length.
 constexpr double kUneven = 1e-6;
 
+// The 6 of the derivation below, and what depth needs more.
+constexpr double kThin = 8;
+
 }  // namespace
 
 // Rounding moves a corner by up to s pixels along each axis. A triangle with the sides p and q has the area A in the
@@ -29,16 +32,16 @@ constexpr double kUneven = 1e-6;
 // has |dw/du| + |dw/dv| <= d (|p|1 + |q|1) / (2 A) <= 2 d E / (k 6 s E). A covered point lies at most s, along each
 // axis, outside of the triangle whose plane is evaluated, so w is off by d / (3 k) there. In float32 the relative error
 // of the triangle's area is some 2^-22 E / (k 6 s), and each of the plane's three terms adds to w an error of that
-// share of d. Together these errors are below another d / k while an image is no wider than 16,384 pixels and s no
-// finer than 2^-8.
+// share of d. Together these errors are below another d / k while an image is no wider than 8,192 pixels and s no finer
+// than 2^-8. With 8 in place of 6 that holds up to 16,384 pixels; a finer s is taken as 2^-8.
 FacingTolerance::FacingTolerance(const View& view, double snap_px) {
   const Pinhole& k = view.pinhole;
   if (view.orthographic || !(k.fx_px > 0 && k.fy_px > 0)) return;
   const double tangents =
       std::max(k.cx_px, view.width_px - k.cx_px) / k.fx_px + std::max(k.cy_px, view.height_px - k.cy_px) / k.fy_px;
   const double skew = std::sqrt(2 + tangents * tangents), least = std::min(k.fx_px, k.fy_px);
-  snapped_ = 6 * snap_px * skew / least;
-  rounded_ = 6 * std::max(k.fx_px, k.fy_px) * skew * skew / least;
+  snapped_ = kThin * std::max(snap_px, 0x1p-8) * skew / least;
+  rounded_ = kThin * std::max(k.fx_px, k.fy_px) * skew * skew / least;
 }
 
 std::optional<EyeInMesh> eye_in(const glm::dmat4& view_from_mesh) {
@@ -52,7 +55,7 @@ std::optional<EyeInMesh> eye_in(const glm::dmat4& view_from_mesh) {
   return EyeInMesh{glm::transpose(axes) * -glm::dvec3(view_from_mesh[3]) / square, std::sqrt(square)};
 }
 
-double squared_presence(const EyeInMesh& eye, const glm::vec3& p, const glm::vec3& q, const glm::vec3& r) {
+double squared_thickness(const EyeInMesh& eye, const glm::vec3& p, const glm::vec3& q, const glm::vec3& r) {
   const glm::dvec3 a(p), ab = glm::dvec3(q) - a, ac = glm::dvec3(r) - a, bc = ac - ab;
   const double volume = glm::dot(glm::cross(ab, ac), eye.place - a);  // h D times the longest side
   return volume * volume / std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});

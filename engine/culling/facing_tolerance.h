@@ -45,6 +45,6 @@ std::optional<EyeInMesh> eye_in(const glm::dmat4& view_from_mesh);
 
 /// (h D)^2 of a triangle of the mesh (see FacingTolerance), in the mesh's unit to the fourth. Not a number if its
 /// corners are one point.
-double squared_presence(const EyeInMesh& eye, const glm::vec3& p, const glm::vec3& q, const glm::vec3& r);
+double squared_thickness(const EyeInMesh& eye, const glm::vec3& p, const glm::vec3& q, const glm::vec3& r);
 
 }  // namespace simvis

@@ -12,9 +12,8 @@ namespace {
 constexpr double kTile_px = 2;
 // Smallest share of the image for an occluder's box; a smaller occluder hides next to nothing.
 constexpr double kMinShare = 1.0 / 256;
-// The rasteriser moves a corner by no more than this: half a step of the coarsest grid that Vulkan allows, and the
-// rounding of the viewport transform.
-constexpr double kSnap_px = 1.0 / 16;
+// The rounding of the viewport transform, of images of at most 16,384 pixels.
+constexpr double kViewportRounding_px = 0x1p-9;
 
 // Returns whether h D of each triangle of the cluster is larger than `least`, in the mesh's unit: see FacingTolerance.
 bool shows_all(const EyeInMesh& eye, double least, const MeshRange& mesh, const Cluster& cluster) {
@@ -24,9 +23,15 @@ bool shows_all(const EyeInMesh& eye, double least, const MeshRange& mesh, const 
     const glm::vec3 &p = mesh.positions[vertices[corners[i]]], &q = mesh.positions[vertices[corners[i + 1]]],
                     &r = mesh.positions[vertices[corners[i + 2]]];
     // A triangle with two corners at one position is never drawn.
-    if (!(squared_presence(eye, p, q, r) > least * least) && p != q && q != r && r != p) return false;
+    if (!(squared_thickness(eye, p, q, r) > least * least) && p != q && q != r && r != p) return false;
   }
   return true;
+}
+
+// w changes by at most this times a displacement along z.
+double square_of_nearest(const PixelPolygon& polygon) {
+  const double nearest = std::ranges::max(polygon.all(), {}, &PixelCorner::w).w;
+  return nearest * nearest;
 }
 
 }  // namespace
@@ -47,16 +52,19 @@ ViewBox view_box(const glm::dmat4& view_from_mesh, const Cluster& cluster, doubl
           .slack_m = slack_m};
 }
 
-void OcclusionCuller::begin(const View& view, const FacingTolerance& limit) {
-  limit_ = limit;
+// min_z_m() bounds slack * focal / z by kDisplaced_px / 2. A displacement along z moves the image of a point by up to
+// the tangent times that.
+void OcclusionCuller::begin(const View& view, double snap_px) {
+  limit_ = FacingTolerance(view, snap_px);
   sides_ = PixelSides(view);
   pinhole_ = view.pinhole;
   width_ = view.width_px;
   height_ = view.height_px;
-  // As PixelSides::min_z_m(), which is for views of at most 45 degrees to each side.
+  const double guard = guard_rows(view);
   const double tangent = std::max(std::max(pinhole_.cx_px, width_ - pinhole_.cx_px) / pinhole_.fx_px,
-                                  std::max(pinhole_.cy_px, height_ - pinhole_.cy_px) / pinhole_.fy_px);
-  inwards_px_ = kSnap_px + kDisplaced_px / 2 * (1 + std::max(1.0, tangent));
+                                  (std::max(pinhole_.cy_px, height_ - pinhole_.cy_px) + guard) / pinhole_.fy_px);
+  snapped_px_ = snap_px + kViewportRounding_px;
+  inwards_px_ = snapped_px_ + kDisplaced_px / 2 * (1 + tangent);
   any_ = false;
   columns_ = static_cast<std::size_t>(std::ceil(width_ / kTile_px));
   rows_ = static_cast<std::size_t>(std::ceil(height_ / kTile_px));
@@ -71,6 +79,7 @@ bool OcclusionCuller::may_hold_occluders(const ViewBox& box) const {
 
 void OcclusionCuller::add(std::span<const Occluder> occluders, const glm::dmat4& view_from_mesh, double slack_m,
                           bool from_front, bool mirrored) {
+  if (inwards_px_ > kShift_px) return;  // the bounds of pixel_polygon.h do not hold
   const double min_z_m = sides_.min_z_m(slack_m);
   for (const Occluder& occluder : occluders) {
     glm::dvec3 corners[4], seen[4];
@@ -80,18 +89,21 @@ void OcclusionCuller::add(std::span<const Occluder> occluders, const glm::dmat4&
       corners[i] = p;
       seen[i] = {pinhole_.fx_px * p.x + pinhole_.cx_px * p.z, pinhole_.fy_px * p.y + pinhole_.cy_px * p.z, p.z};
     }
-    const double volume = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), corners[0]);
-    if (from_front && (volume > 0) != mirrored) continue;
-    // The device clips each triangle separately, and each must be certain.
+    // The device culls and clips each triangle separately, and each must be certain.
     const glm::dvec3 halves[2][3] = {{seen[0], seen[1], seen[2]}, {seen[0], seen[2], seen[3]}};
     PixelSlant slants[2];
+    bool shows_front[2] = {};
     for (std::size_t i = 0; i + 2 < count; ++i) {
+      const glm::dvec3 &a = corners[0], &b = corners[i + 1], &c = corners[i + 2];
+      shows_front[i] = (glm::dot(glm::cross(b - a, c - a), a) > 0) == mirrored;
+      if (from_front && !shows_front[i]) continue;
       PixelPolygon drawn;
       if (sides_.keep(halves[i], min_z_m, drawn) || sides_.cut(halves[i], 0, min_z_m, drawn)) {
         slants[i] = slant_of(drawn);
+        slants[i].uncertain_w += slack_m * square_of_nearest(drawn);
       }
     }
-    if (slants[0].certain && slants[1].certain) {
+    if (slants[0].certain && slants[1].certain && shows_front[0] == shows_front[1]) {
       add_occluder(std::span(seen, count), min_z_m, slants[0], slants[1].uncertain_w);
       continue;
     }
@@ -146,8 +158,8 @@ ViewExtent OcclusionCuller::extent(const ViewBox& box) const {
 // between the w of its nearest and of its farthest point. 0 if no occluders hide it whole, or if it is not entirely
 // within the image. Its nearest depth is above sides_.min_z_m().
 double OcclusionCuller::clearance(const ViewExtent& extent) const {
-  const double left = extent.left - kSnap_px, right = extent.right + kSnap_px, top = extent.top - kSnap_px,
-               bottom = extent.bottom + kSnap_px;
+  const double left = extent.left - snapped_px_, right = extent.right + snapped_px_, top = extent.top - snapped_px_,
+               bottom = extent.bottom + snapped_px_;
   if (!(left >= 0 && right <= width_ && top >= 0 && bottom <= height_)) return 0;
   const double nearest = 1 / extent.nearest_m, farthest = 1 / extent.farthest_m, behind = nearest * (1 + kRounding);
   const auto tile = [](double px) { return static_cast<std::size_t>(px / kTile_px); };
@@ -175,8 +187,8 @@ bool OcclusionCuller::hides_middle(const ViewBox& box) const {
   if (!any_ || !(box.center.z > 0)) return false;
   const double w = 1 / box.center.z;
   const auto tile = [&](double focal_px, double place_m, double center_px, std::size_t count) {
-    return static_cast<std::size_t>(
-        std::clamp((focal_px * place_m * w + center_px) / kTile_px, 0.0, static_cast<double>(count - 1)));
+    const double at = (focal_px * place_m * w + center_px) / kTile_px, last = static_cast<double>(count - 1);
+    return static_cast<std::size_t>(std::max(0.0, std::min(last, at)));  // also if `at` is not a number
   };
   return hidden_below_[tile(pinhole_.fy_px, box.center.y, pinhole_.cy_px, rows_) * columns_ +
                        tile(pinhole_.fx_px, box.center.x, pinhole_.cx_px, columns_)] > w;

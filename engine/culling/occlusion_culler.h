@@ -2,9 +2,9 @@
 //
 // The image is divided into tiles. An opaque occluder that covers a whole tile lowers the tile's far limit. An object
 // is culled if, in every tile that its screen bounds touch, it lies behind that limit. No pixel that the device would
-// draw is lost, with the device's rounding included: occluders are shrunk by what their corners may be displaced (see
-// pixel_polygon.h). Occludees are grown by the same, and in w = 1 / z they are assumed to be nearer by the excess that
-// FacingTolerance::min_m2() bounds.
+// draw is lost, with the device's rounding included: occluders are shrunk by the largest displacement for which the
+// bounds of pixel_polygon.h hold. Occludees are grown by their own displacement, and in w = 1 / z they are assumed to
+// be nearer by the excess that FacingTolerance::min_m2() bounds.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -41,8 +41,8 @@ struct ViewExtent {
 /// Reuses its memory from view to view. Orthographic views are not supported.
 class OcclusionCuller {
  public:
-  /// Starts a view without occluders. `limit` is the view's.
-  void begin(const View& view, const FacingTolerance& limit);
+  /// Starts a view without occluders. `snap_px` is that of PassResult.
+  void begin(const View& view, double snap_px);
 
   /// Returns whether a face of an object in the box could be large enough to be a useful occluder.
   bool may_hold_occluders(const ViewBox& box) const;
@@ -66,7 +66,7 @@ class OcclusionCuller {
   bool hides_middle(const ViewBox& box) const;
 
   /// Returns the threshold of h D, see FacingTolerance, that each triangle in the extent must exceed to be occluded.
-  /// Infinite if the extent is not occluded. `slack_m` is part of the extent.
+  /// Infinite if the extent is not occluded. The extent includes the displacement by `slack_m`.
   double min_seen_m2(const ViewExtent& extent, double slack_m) const;
 
  private:
@@ -78,6 +78,7 @@ class OcclusionCuller {
   PixelSides sides_;
   FacingTolerance limit_;
   double width_ = 0, height_ = 0;
+  double snapped_px_ = 0;  // the rasteriser moves a corner by no more than this
   double inwards_px_ = 0;  // an occluder certainly fills what lies so far within its edges along both axes
   Pinhole pinhole_;
   bool any_ = false;

@@ -2,8 +2,7 @@
 //
 // w = 1 / z is affine in pixel coordinates on a plane, and smaller at larger depth along Z.
 //   place     Float32 and the rasteriser's snapping displace a vertex. A shape whose corners may be displaced by more
-//             than kDisplaced_px is not certain. Any other shape certainly fills the area that lies a whole pixel
-//             within its edges.
+//             than kDisplaced_px, in a view of at most 45 degrees to each side, is not certain.
 //   depth     The w of a triangle at a pixel is that of its plane, except for shifts by half a pixel and for some
 //             roundings: see engine/geometry/plane_rounding.h. kShift_px, kRounding and kSlope include all terms given
 //             there. A triangle thinner than a pixel is not certain, because float32 may turn its slope.
@@ -23,8 +22,6 @@ namespace simvis {
 inline constexpr double kDisplaced_px = 0.125;
 /// A corner at this distance from a side of the viewport is certainly clipped or certainly kept, whatever the rounding.
 inline constexpr double kSide_px = 1;
-/// The distance by which the edges of an occluder in a strip are moved inwards.
-inline constexpr double kInwards_px = 1;
 /// The bound of the error of w has three terms: kShift_px times the gradient of w; kRounding times w; and kSlope times
 /// the range of w over the triangle, times the area of the box around the triangle over twice the triangle's own area.
 inline constexpr double kShift_px = 0.5, kRounding = 1e-4, kSlope = 50 * 0x1p-24;

@@ -92,7 +92,7 @@ bool TriangleSelector::is_hidden(const Corner& a, const Corner& b, const Corner&
                           .nearest_m = std::min({a.z_m, b.z_m, c.z_m}) - slack_m_,
                           .farthest_m = std::max({a.z_m, b.z_m, c.z_m}) + slack_m_};
   const double least = occlusion_->min_seen_m2(extent, slack_m_) / (eye_->unit_m * eye_->unit_m);
-  return std::isfinite(least) && squared_presence(*eye_, p, q, r) > least * least;
+  return std::isfinite(least) && squared_thickness(*eye_, p, q, r) > least * least;
 }
 
 void TriangleSelector::select(const ClusterVertices& vertices, std::span<const std::uint8_t> corners,

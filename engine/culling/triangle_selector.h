@@ -28,7 +28,7 @@ class TriangleSelector {
 
   /// Sets the mesh whose clusters follow. Rounding moves its vertices by up to `slack_m`. `culls_backs`: the device
   /// draws front faces only. `mirrored`: view_from_mesh turns right-handed axes into left-handed ones. `partly_hidden`:
-  /// each triangle is compared with the occluders, which is not worth its time for a mesh in plain sight.
+  /// each triangle is compared with the occluders, which does not pay off for a mesh that is visible.
   void place(const glm::dmat4& view_from_mesh, double slack_m, bool culls_backs, bool mirrored, bool partly_hidden);
 
   /// Appends the corners of the selected triangles of a cluster. Spans as in Clustering.

@@ -44,7 +44,7 @@ void VisibleDraws::begin(const ViewContext& context) {
   copies_.clear();
   copied_vertices_ = triangle_copies_ = 0;
   tolerance_ = FacingTolerance(view, raster.snap_px);
-  occlusion_.begin(view, tolerance_);
+  occlusion_.begin(view, raster.snap_px);
   selects_triangles_ = raster.selects_primitives && cpu_selects_triangles(view, pass);
   if (selects_triangles_) triangles_.begin(view, pass.supersampling * pass.msaa, raster.snap_px, occlusion_);
   selects_points_ = raster.selects_primitives && cpu_selects_points(view, pass);

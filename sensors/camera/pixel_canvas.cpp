@@ -28,6 +28,8 @@ PixelCanvas::PixelCanvas(const CameraLayout& layout, const CameraViews& views, d
       width_(static_cast<int>(layout.width_px)),
       height_(static_cast<int>(layout.height_px)),
       canvas_{-width_, -height_, 2 * width_, 2 * height_},
+      is_flat_(std::ranges::all_of(views.views,
+                                   [](const CameraView& view) { return view.face_from_view == glm::dmat3(1.0); })),
       lens_(lens_of_rays(layout)) {
   if (!layout.rays.empty() && !lens_) canvas_ = picture();
   // Tiles do not cross the border of the picture, which directions are computed differently beyond.
@@ -58,9 +60,10 @@ glm::dvec3 PixelCanvas::direction(int x, int y) const {
   return glm::normalize(glm::dvec3((centre.x - p.cx_px) / p.fx_px, (centre.y - p.cy_px) / p.fy_px, 1));
 }
 
-// Beyond the picture a lens has no view; the faces of a cube, which a wide lens takes, stand for it.
+// Beyond the picture a lens has no view. Where its picture is seen along the optical axis alone, so is this, as far as
+// it can be; elsewhere the faces of a cube, which a wide lens takes, stand for it.
 double PixelCanvas::near_range_m(int x, int y, const glm::dvec3& direction) const {
-  if (layout_.rays.empty()) return near_m_ / direction.z;
+  if (layout_.rays.empty() || (is_flat_ && direction.z > 0)) return near_m_ / direction.z;
   if (picture().has(x, y)) {
     const std::size_t pixel = static_cast<std::size_t>(y) * layout_.width_px + static_cast<std::size_t>(x);
     const std::uint32_t view = views_.taps[pixel].view;

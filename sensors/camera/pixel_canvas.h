@@ -63,6 +63,7 @@ class PixelCanvas {
   double near_m_;
   int width_, height_;
   CanvasRect canvas_;
+  bool is_flat_;  // all views look along the optical axis
   std::optional<Lens> lens_;
   std::vector<Tile> tiles_;
 };

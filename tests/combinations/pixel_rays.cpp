@@ -54,8 +54,8 @@ Seen ViewRays::seen() const {
 
 Real ViewRays::near_m(const Vector& ray) const {
   const Real near = with_.desc().near_m;
-  if (is_on_cube_) return near / std::max({std::abs(ray.x), std::abs(ray.y), std::abs(ray.z)});
-  return near / (ray.z > 0 ? ray.z : Real(1));
+  if (!is_on_cube_ && ray.z > 0) return near / ray.z;
+  return near / std::max({std::abs(ray.x), std::abs(ray.y), std::abs(ray.z)});
 }
 
 std::vector<ExactHit> ViewRays::surfaces(const Vector& origin, const Vector& direction, Real share) const {

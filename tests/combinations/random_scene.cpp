@@ -275,6 +275,7 @@ class SceneDraw {
       camera.lens_k = {between(-0.1, 0.2), between(-0.02, 0.02), 0, between(-0.01, 0.01), between(-0.01, 0.01)};
     } else if (lens) {
       camera.lens = "kannala_brandt";
+      if (one_in(2)) camera.hfov_deg = between(100, 150);  // rays beside and behind it
       camera.lens_k = {between(-0.02, 0.02), between(-0.002, 0.002), 0, 0, 0};
     }
     camera.layer = one_of<const char*>({"visible", "visible", "first", "first_opaque"});

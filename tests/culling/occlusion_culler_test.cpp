@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 #include <random>
 
 #include <simvis/device.h>
@@ -150,8 +151,7 @@ TEST_CASE(
     "the tiles of a wall hide objects behind all of them, and no object that may reach beside or in front of them") {
   const View view = picture().passes[0].views[0];
   OcclusionCuller hidden;
-  const FacingTolerance limit(view, kPixelSnap_px);
-  hidden.begin(view, limit);
+  hidden.begin(view, kPixelSnap_px);
   // A cube that contains a square perpendicular to the optical axis, which is never seen as a sliver.
   const auto is_occluded = [&](const glm::dvec3& center, double half) {
     const FacePlanes flat{.sides = {{.normal = {0, 0, 1}, .offset = 0, .min_height = half}}};
@@ -174,7 +174,7 @@ TEST_CASE(
   CHECK_FALSE(is_occluded({0, 0, 8}, 3.6));
   CHECK_FALSE(is_occluded({0, 0, -8}, 0.1));
   // A wall that shows its back where only fronts are drawn, and its mirror image, where both are swapped.
-  hidden.begin(view, limit);
+  hidden.begin(view, kPixelSnap_px);
   const glm::dmat4 mirrored = glm::scale(glm::translate(glm::dmat4(1.0), {0, 0, 4}), {-1, 1, 1});
   hidden.add(walls, mirrored, 0, true, false);
   hidden.add(extract_occluders(rectangle(2, 1, false)), glm::translate(glm::dmat4(1.0), {0, 0, 4}), 0, true, false);
@@ -211,26 +211,74 @@ TEST_CASE("objects behind walls are not drawn, and the picture is the same to th
   CHECK(behind_of_all < bare_of_all * 3 / 4);
 }
 
-TEST_CASE("where two walls meet, what lies behind their seam is visible, and three pixels beside it all is hidden") {
-  const View view = picture().passes[0].views[0];
-  OcclusionCuller hidden;
-  hidden.begin(view, FacingTolerance(view, kPixelSnap_px));
-  // At 4 m, where a pixel is 0.016 m; they meet at u = 161.
-  constexpr double kPixel_m = 4 / kFocal_px;
-  const std::vector<Occluder> wall = extract_occluders(rectangle(2, 1, true));
-  for (const double side : {-1.0, 1.0}) {
-    hidden.add(wall, glm::translate(glm::dmat4(1.0), {kPixel_m + 2 * side, 0, 4}), 0, true, false);
+TEST_CASE("walls fill tiles up to their edges, less the largest displacement of an edge in the view") {
+  View view = picture().passes[0].views[0];
+  double left_end_px = 0;
+  bool fills = false;
+  // Displaced by 1 + the tangent of the image's side, times kDisplaced_px / 2, and by snapping: 0.11 and 0.20 px.
+  SUBCASE("not quite") { left_end_px = 160.1; }
+  SUBCASE("just") {
+    left_end_px = 160.12;
+    fills = true;
   }
-  const auto threshold = [&](double left_px, double right_px) {
-    return hidden.min_seen_m2({left_px, right_px, 118, 122, 8, 8.1}, 0);
+  SUBCASE("not quite, in a view of 127 degrees") {
+    view.pinhole.fx_px = view.pinhole.fy_px = 80;
+    left_end_px = 160.18;
+  }
+  SUBCASE("just, in a view of 127 degrees") {
+    view.pinhole.fx_px = view.pinhole.fy_px = 80;
+    left_end_px = 160.21;
+    fills = true;
+  }
+  SUBCASE("in an image that tiles do not divide") {
+    view.width_px = kWidth_px - 1;
+    view.height_px = kHeight_px - 1;
+    left_end_px = 160.2;
+    fills = true;
+  }
+  CAPTURE(view.pinhole.fx_px);
+  OcclusionCuller hidden;
+  hidden.begin(view, kPixelSnap_px);
+  constexpr double kWall_m = 4, kHalf_m = 20;
+  const auto at_px = [&](double u) { return (u - view.pinhole.cx_px) * kWall_m / view.pinhole.fx_px; };
+  const std::vector<Occluder> wall = extract_occluders(rectangle(kHalf_m, kHalf_m, true));
+  for (const double middle_m : {at_px(left_end_px) - kHalf_m, at_px(161) + kHalf_m}) {
+    hidden.add(wall, glm::translate(glm::dmat4(1.0), {middle_m, 0, kWall_m}), 0, true, false);
+  }
+  const auto hides = [&](double left_px, double right_px) {
+    return std::isfinite(hidden.min_seen_m2({left_px, right_px, 118, 122, 8, 8.1}, 0));
   };
-  CHECK(std::isinf(threshold(160.5, 161.5)));
-  CHECK(std::isfinite(threshold(164, 170)));
-  CHECK(std::isfinite(threshold(150, 158)));
-  CHECK(std::isinf(threshold(-1, 5)));
+  CHECK(hides(158.2, 159.8) == fills);  // the last tile that the left wall may fill
+  CHECK_FALSE(hides(160.5, 161.5));
+  CHECK_FALSE(hides(162 + kPixelSnap_px, 170));  // snapping may bring it into the tile before
+  CHECK(hides(162.1, 170));
+  CHECK(hides(300, view.width_px - 0.1));
+  CHECK_FALSE(hides(-1, 5));
 }
 
-TEST_CASE("of an object behind a wall that a side of the picture cuts, only triangles at that side are drawn") {
+TEST_CASE("the middle of a box is hidden if a wall is before it, and of a box that lies nowhere it is not") {
+  const View view = picture().passes[0].views[0];
+  OcclusionCuller hidden;
+  const auto hides = [&](double x, double z) {
+    return hidden.hides_middle({.center = {x, 0, z}, .half_size = glm::dvec3(1)});
+  };
+  hidden.begin(view, kPixelSnap_px);
+  CHECK_FALSE(hides(0, 8));
+  hidden.add(extract_occluders(rectangle(2, 2, true)), glm::translate(glm::dmat4(1.0), {-2, 0, 4}), 0, true, false);
+  CHECK(hides(-1, 8));
+  CHECK(hides(-100, 8));  // beyond the image; the nearest tile counts
+  CHECK_FALSE(hides(1, 8));
+  CHECK_FALSE(hides(-1, 3));
+  CHECK_FALSE(hides(-1, -8));
+  constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNone = std::nan("");
+  CHECK_FALSE(hides(kNone, kNone));
+  CHECK_FALSE(hides(1, kNone));
+  hides(kNone, kInfinity);  // any answer, without a place beyond the tiles
+  hides(kInfinity, kInfinity);
+  CHECK_FALSE(hides(kInfinity, 8));
+}
+
+TEST_CASE("the side of an image cuts an object behind a wall: of its triangles only those at the side are drawn") {
   Device device;
   Renderer renderer(device);
   const auto drawn = [&](bool behind_wall) {

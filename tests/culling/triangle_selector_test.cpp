@@ -3,6 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
 #include <random>
 
 #include <simvis/device.h>
@@ -95,6 +98,49 @@ TEST_CASE("a triangle is selected unless it shows its back or lies between sampl
   selector.place(glm::dmat4(1.0), 1e-3, true, false, false);
   CHECK(selected(selector, triangle(0.55, 0.2)) == 1);
   CHECK(selected(selector, triangle(0.9, 0.2)) == 0);
+}
+
+TEST_CASE("a triangle behind a wall is not selected if its mesh is partly hidden and rounding cannot bring it nearer") {
+  constexpr double kSnap_px = 1.0 / 256, kWall_m = 2;
+  Mesh wall;
+  for (const auto& [u, v] : {std::pair(-50, -50), {370, -50}, {370, 290}, {-50, 290}}) {
+    wall.positions.push_back(at_px(u, v, kWall_m));
+  }
+  wall.indices = {0, 1, 2, 0, 2, 3};
+  compute_bounds(wall);
+  OcclusionCuller occlusion;
+  occlusion.begin(selecting_view(), kSnap_px);
+  occlusion.add(extract_occluders(wall, make_clusters(wall)), glm::dmat4(1.0), 0, false, false);
+  REQUIRE(occlusion.any());
+  TriangleSelector selector;
+  selector.begin(selecting_view(), 1, kSnap_px, occlusion);
+  const auto behind = [&](double z_m) {
+    return std::vector{at_px(100, 50, z_m), at_px(104, 50, z_m), at_px(101, 53, z_m)};
+  };
+  const auto slanted = [&](double height_px) {
+    const double aside_px = height_px / std::numbers::sqrt2;
+    return std::vector{at_px(100, 50, 3), at_px(104, 54, 3), at_px(102 + aside_px, 52 - aside_px, 3)};
+  };
+  selector.place(glm::dmat4(1.0), 0, false, false, true);
+  CHECK(selected(selector, behind(3)) == 0);
+  CHECK(selected(selector, behind(kWall_m)) == 1);
+  CHECK(selected(selector, behind(1.5)) == 1);
+  // At 3 m, which is D, FacingTolerance demands h D > 8 kSnap_px sqrt(2 + 1.42^2) / 200 * 9 m^2, h is 0.07 px or more.
+  CHECK(selected(selector, slanted(0.05)) == 1);
+  CHECK(selected(selector, slanted(0.1)) == 0);
+  CHECK(selected(selector, {at_px(-1, 50, 3), at_px(104, 50, 3), at_px(101, 53, 3)}) == 1);  // the side may clip it
+  selector.place(glm::dmat4(1.0), 0, false, false, false);
+  CHECK(selected(selector, behind(3)) == 1);
+  selector.place(glm::dmat4(1.0), 1.1, false, false, true);  // displaced as far as the wall
+  CHECK(selected(selector, behind(3)) == 1);
+  selector.place(glm::scale(glm::dmat4(1.0), {-1, 1, 1}), 0, false, true, true);
+  std::vector<glm::vec3> mirrored = behind(3);
+  for (glm::vec3& corner : mirrored) corner.x = -corner.x;
+  CHECK(selected(selector, mirrored) == 0);
+  selector.place(glm::scale(glm::dmat4(1.0), {1, 1, 1.5}), 0, false, false, true);  // D is not known of unequal scales
+  std::vector<glm::vec3> scaled = behind(3);
+  for (glm::vec3& corner : scaled) corner.z /= 1.5f;
+  CHECK(selected(selector, scaled) == 1);
 }
 
 TEST_CASE("of a finely divided sphere a device on the host's cores draws what can change a pixel, to the same bytes") {
