@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <iostream>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,12 +34,6 @@ bool can_skip(const Simulation& simulation) {
   } catch (const InputError&) {
     return false;
   }
-}
-
-/// Whether a warning is one of Simulation::finish_recording() or leave_dds(): no topic has matched a pattern. It is
-/// true of whole runs only, since the topic may start in a frame that a stopped run lacks.
-bool is_of_whole_run(const std::string& warning) {
-  return warning.find(": no topic has matched ") != std::string::npos;
 }
 
 }  // namespace
@@ -123,7 +116,6 @@ void Run::begin_outlets() {
 
 void Run::update_report() {
   report_.warnings = simulation_.warnings();
-  if (report_.status == "stopped") std::erase_if(report_.warnings, is_of_whole_run);
   report_.simulated_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9;
   if (!options_.endless) {
     const auto next = static_cast<double>(std::max<std::uint64_t>(simulation_.next_frame().index, 1));
@@ -142,7 +134,8 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
   const auto is_made = [&](std::uint64_t frame) {
     return frame < first_frame || (dataset_ != nullptr && dataset_->has(frame));
   };
-  for (std::uint64_t frame = 0; frame < options_.frames && received_signal() == nullptr;) {
+  std::uint64_t frame = 0;
+  while (frame < options_.frames && received_signal() == nullptr) {
     apply_trajectory();
     if (!shard.has(frame) || (is_made(frame) && skips)) {
       simulation_.skip_frame();
@@ -167,6 +160,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     if (outlet_failure_) std::rethrow_exception(outlet_failure_);
     require_memory();
   }
+  is_whole_ = frame >= options_.frames;
 }
 
 void Run::apply_trajectory() {
@@ -261,27 +255,22 @@ void Run::finish(WarningPrinter& warnings) {
     services_->end();
     services_->serve();
   }
-  const bool stopped = received_signal() != nullptr;
-  const bool ends_early = stopped && report_.next_frame != options_.frames;
   require_memory();
   if (files_ != nullptr) {
-    if (!files_->is_open() && stopped) return;
+    if (!files_->is_open() && !is_whole_) return;
     files_->open();
   }
-  if (options_.explain && !stopped) print_explanation(simulation_);
+  if (!is_whole_) SimulationServices::end_early(simulation_);
+  if (options_.explain && is_whole_) print_explanation(simulation_);
   warnings.print_new(simulation_);
   for (const std::unique_ptr<RunOutlet>& outlet : outlets_) {
-    try {
-      outlet->finish();
-    } catch (const InputError& error) {  // a warning of a strict simulation, which comes when the outlet is whole
-      if (!ends_early || !is_of_whole_run(error.what())) throw;
-    }
+    outlet->finish();
     require_memory();
   }
-  if (!ends_early) warnings.print_new(simulation_);
+  warnings.print_new(simulation_);
   if (report_.frame_ms.added() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
-  if (received_signal() == nullptr) report_.next_frame = options_.frames;
-  report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";
+  if (is_whole_) report_.next_frame = options_.frames;
+  report_.status = is_whole_ ? "complete" : "stopped";
   if (files_ == nullptr) return;
   files_->write_report();
   if (!options_.quiet) print_closing(options_, files_->folder().report_file(), files_->results(), report_);

@@ -72,6 +72,7 @@ class Run {
   std::exception_ptr outlet_failure_;  // of the simulation's own ones; ends the run once its frame is kept
   std::vector<std::unique_ptr<RunOutlet>> outlets_;
   bool outlets_begun_ = false;
+  bool is_whole_ = false;  // no frame is missing; a signal that comes later changes nothing
   // Outlets of the list; null: not there.
   LiveRun* live_ = nullptr;
   ResultFiles* files_ = nullptr;

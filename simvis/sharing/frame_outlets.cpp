@@ -42,6 +42,10 @@ void FrameOutlets::offer(const Frame& frame, StepStages& stages) {
   if (!failures.empty()) throw OutletError(failures);
 }
 
+void FrameOutlets::end_early() {
+  for (const std::unique_ptr<FrameOutlet>& outlet : outlets_) outlet->end_early();
+}
+
 std::vector<std::string> FrameOutlets::take_warnings() {
   std::vector<std::string> all;
   for (const std::unique_ptr<FrameOutlet>& outlet : outlets_) {

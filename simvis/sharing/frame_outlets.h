@@ -60,6 +60,8 @@ class FrameOutlets {
   /// Offers a frame to each outlet; those that fail are closed. Throws OutletError that names all of them, after the
   /// last one.
   void offer(const Frame& frame, StepStages& stages);
+  /// See FrameOutlet::end_early().
+  void end_early();
   std::vector<std::string> take_warnings();
 
  private:

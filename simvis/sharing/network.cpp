@@ -257,7 +257,7 @@ void Network::warn_of_namesake() {
 DdsReport Network::finish() {
   messages_.add_paths();
   recorder_.finish();
-  if (has_sent_frame_) {
+  if (has_sent_frame_ && !ended_early_) {
     for (std::string& warning : unmatched_warnings(name(), topics_)) warnings_.push_back(std::move(warning));
   }
   return {.messages = recorder_.messages(),

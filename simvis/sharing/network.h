@@ -64,8 +64,9 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   std::string_view stage() const override { return "dds"; }
   /// Sends the messages of a frame. Throws MachineError, also of earlier frames.
   void frame(const Frame& frame) override;
+  void end_early() override { ended_early_ = true; }
   /// Warnings of another node of the same name, and, after finish(), of patterns of DdsDesc::topics that no topic has
-  /// matched.
+  /// matched, unless the frames ended early.
   std::vector<std::string> take_warnings() override { return std::exchange(warnings_, {}); }
   /// Sends what waits. Throws MachineError.
   DdsReport finish();
@@ -98,7 +99,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   std::vector<std::string> said_;                       // since add_said()
   std::uint64_t received_ = 0, refused_ = 0, dropped_ = 0;
   std::atomic<std::uint64_t> lost_replies_ = 0;  // counted by the recorder's thread too
-  bool has_sent_frame_ = false, has_namesake_ = false, changed_ = false;
+  bool has_sent_frame_ = false, has_namesake_ = false, changed_ = false, ended_early_ = false;
   std::vector<std::string> warnings_;
   ros::Recorder recorder_;
 };

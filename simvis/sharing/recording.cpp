@@ -79,7 +79,7 @@ RecordReport Recording::finish() {
   if (!recorder_) return {.file = desc_.file};
   messages_.add_paths();
   recorder_->finish();
-  warnings_ = unmatched_warnings(name(), topics_);
+  if (!ended_early_) warnings_ = unmatched_warnings(name(), topics_);
   return {.file = desc_.file, .messages = recorder_->messages(), .dropped = dropped_, .bytes = recorder_->bytes()};
 }
 

@@ -31,7 +31,8 @@ class Recording : public FrameOutlet, private ros::MessageOutlet {
   std::string_view stage() const override { return "record"; }
   /// Creates the file with the first frame. Throws MachineError of the file, also of earlier frames.
   void frame(const Frame& frame) override;
-  /// After finish(): the patterns of RecordDesc::topics that no topic has matched.
+  void end_early() override { ended_early_ = true; }
+  /// After finish(): the patterns of RecordDesc::topics that no topic has matched, unless the frames ended early.
   std::vector<std::string> take_warnings() override { return std::exchange(warnings_, {}); }
   /// Writes what waits and the end of the file. Throws MachineError.
   RecordReport finish();
@@ -48,6 +49,7 @@ class Recording : public FrameOutlet, private ros::MessageOutlet {
   FrameMessages messages_;
   std::optional<ros::Recorder> recorder_;
   std::uint64_t dropped_ = 0;
+  bool ended_early_ = false;
   std::vector<std::string> warnings_;
 };
 

@@ -156,6 +156,8 @@ void SimulationServices::end() {
   end_steps("the run has ended");
 }
 
+void SimulationServices::end_early(Simulation& simulation) { simulation.impl()->outlets.end_early(); }
+
 bool SimulationServices::is_changed() const {
   const SimulationUse use = simulation_.impl();
   const Network* const network = use->outlets.find<Network>();
