@@ -135,6 +135,39 @@ TEST_CASE("an invalid share, and scenes whose frames cannot be made separately")
   CHECK(run_checked({"--help"}).out.find("--shard K/N") != std::string::npos);
 }
 
+TEST_CASE("a signal that comes when all frames are made changes nothing, also in a share without the last frame") {
+  // The explanation follows the last frame. Its pipe holds little of it, so the run waits for the reader in finish().
+  constexpr const char* kInterruptAtTheEnd =
+      "import fcntl, os, signal, subprocess, sys\n"
+      "end, start = os.pipe()\n"
+      "assert fcntl.fcntl(start, 1031, 4096) == 4096\n"  // F_SETPIPE_SZ
+      "run = subprocess.Popen(sys.argv[1:], stdout=start)\n"
+      "os.close(start)\n"
+      "size = len(os.read(end, 1))\n"
+      "run.send_signal(signal.SIGTERM)\n"
+      "while more := os.read(end, 65536): size += len(more)\n"
+      "assert size > 3 * 4096, size\n"
+      "sys.exit(run.wait())\n";
+  std::string sensors(kShardedSensors);
+  for (int i = 0; i < 100; ++i) {
+    sensors += "<sensor type=\"psd\" name=\"P" + std::to_string(i) + "\" insert_at=\"ROOT\"/>";
+  }
+  for (const std::string shard : {"0/1", "0/2", "1/2"}) {
+    CAPTURE(shard);
+    const TemporaryFolder folder;
+    const std::string scene = write_wall_scene(folder.path(), sensors).string(), out = (folder / "out").string();
+    const ProcessResult result = Process({"python3", "-c", kInterruptAtTheEnd, simvis_run(), scene, "--out", out,
+                                          "--frames", "4", "--explain", "--quiet", "--shard", shard})
+                                     .wait();
+    INFO(result.err);
+    CHECK(result.exit_code == 0);
+    const auto report = nlohmann::json::parse(
+        read_text(folder / ("out/run-" + shard.substr(0, 1) + "-of-" + shard.substr(2) + ".json")));
+    CHECK(report.at("status") == "complete");
+    CHECK(report.at("next_frame") == 4);
+  }
+}
+
 TEST_CASE("the shares of a run cover its frames once") {
   for (const std::uint64_t frames : {1u, 2u, 7u, 24u}) {
     for (const std::uint64_t count : {1u, 2u, 5u, 30u}) {
