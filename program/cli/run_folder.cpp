@@ -7,6 +7,7 @@
 #include <simvis/error.h>
 #include "engine/base/temporary_file.h"
 #include "program/cli/load_scene.h"
+#include "program/options/command_line.h"
 #include "program/output/atomic_file.h"
 
 namespace simvis {
@@ -47,7 +48,10 @@ void RunFolder::remove_what_was_left(bool is_shard) const {
 }
 
 void RunFolder::go_on(RunReport& report) {
-  in_option("--resume", [&] { require_same_run(*earlier_, depends_on(to_json(report))); });
+  in_option("--resume", [&] {
+    require_same_run(*earlier_, depends_on(to_json(report)));
+    require_own_run(*earlier_);
+  });
   resumes_ = true;
   report.next_frame = first_frame_ = first_missing_frame(*earlier_, suffix_);
   if (first_frame_ > options_.frames) {

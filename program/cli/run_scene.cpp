@@ -17,6 +17,7 @@
 #include "program/cli/run_messages.h"
 #include "program/cli/signals.h"
 #include "program/cli/warning_printer.h"
+#include "program/options/command_line.h"
 #include "program/report/earlier_run.h"
 
 namespace simvis {
@@ -74,8 +75,8 @@ void prepare_simulation(const Options& options, Simulation& simulation) {
 /// Returns the exit status.
 int stopped_by(const char* signal, const Options& options, const RunReport& report) {
   std::cerr << "simvis-run: stopped by a signal (" << signal << ") before frame " << report.next_frame;
-  if (!options.endless) std::cerr << " of " << options.frames << "; --resume goes on";
-  std::cerr << '\n';
+  if (!options.endless) std::cerr << " of " << options.frames;
+  std::cerr << (is_shared(options) ? "\n" : "; --resume goes on\n");
   return kExitStopped;
 }
 

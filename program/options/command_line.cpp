@@ -16,7 +16,6 @@
 #include "engine/base/words.h"
 #include "program/options/help_formatter.h"
 #include "program/options/option_table.h"
-#include "program/report/earlier_run.h"
 
 namespace simvis {
 namespace {
@@ -272,8 +271,7 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   if (options.scene.empty() && !parse_number(options.dds_domain, domain)) {
     std::swap(options.scene, options.dds_domain);  // --dds SCENE.xml
   }
-  const bool is_live = !options.serve.empty() || !options.follow.empty() || options.live || options.dds;
-  options.endless = is_live && !options.names_frames && options.trajectory.empty();
+  options.endless = is_shared(options) && !options.names_frames && options.trajectory.empty();
   options.writes = ((!options.live && !options.dds) || options.names_out) && options.datasets.empty();
   read_rate(options);
   if (!options.again.empty()) require_free_options(app, "--again");
@@ -281,15 +279,23 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   return parsed;
 }
 
+bool is_shared(const Options& options) {
+  return !options.serve.empty() || !options.follow.empty() || options.live || options.dds;
+}
+
+void require_own_run(const EarlierRun& run) {
+  if (!is_shared(parse_options(run.command).options)) return;
+  throw InputError(run.report.string() +
+                   ": error: other processes took part in the run, which is not recorded, expected a new run");
+}
+
 RecordedOptions recorded_options(Options given) {
   const bool again = !given.again.empty();
   const EarlierRun run =
       read_report(again ? std::filesystem::path(given.again) : std::filesystem::path(given.out) / "run.json");
   if (run.command.empty()) throw InputError(run.report.string() + ": error: holds no command line");
+  require_own_run(run);
   Options options = parse_options(run.command).options;
-  if (!options.serve.empty() || !options.follow.empty() || options.live || options.dds) {
-    throw InputError(run.report.string() + ": error: other processes took part in the run, which is not recorded");
-  }
   if (!options.again.empty() || options.scene.empty()) {
     throw InputError(run.report.string() + ": error: its command line names no scene");
   }

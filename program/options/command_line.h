@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "program/options/options.h"
+#include "program/report/earlier_run.h"
 
 namespace simvis {
 
@@ -18,6 +19,13 @@ struct ParsedOptions {
 
 /// `arguments` without the program's name. Throws InputError.
 ParsedOptions parse_options(std::vector<std::string> arguments);
+
+/// Whether other processes take part in a run of these options.
+bool is_shared(const Options& options);
+
+/// Throws InputError if other processes took part in the run: what they did is not recorded, so the run can neither be
+/// made again nor go on.
+void require_own_run(const EarlierRun& run);
 
 struct RecordedOptions {
   Options options;

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 #include <fcntl.h>
 #include <sys/file.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 
 #include "tests/support/error_of.h"
 #include "tests/support/long_count.h"
+#include "tests/support/loopback_dds.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/tested_build.h"
@@ -155,6 +157,52 @@ TEST_CASE("--resume goes on only with the same run, and a finished run is left a
   REQUIRE(scene.run("whole", {}).exit_code == 0);
   CHECK(fs::exists(scene.folder / "out/CAM/000032.png"));
   CHECK(read_text(scene.folder / "out/BIG.csv").starts_with(read_text(scene.folder / "whole/BIG.csv")));
+}
+
+TEST_CASE("--resume is refused with options of other processes, and for runs in which these took part") {
+  const std::pair<Strings, bool> shared[] = {{{"--serve", "resumed-run-" + std::to_string(::getpid())}, true},
+                                             {{"--live", "0"}, true},
+                                             {{"--dds", std::to_string(own_domain())}, has_dds()},
+                                             {{"--follow", "none"}, false}};
+  for (const auto& [options, can_run] : shared) {
+    const std::string option = options.front();
+    CAPTURE(option);
+    const InterruptedScene scene;
+    Strings resumed = options;
+    resumed.emplace_back("--resume");
+    const auto refused = [&](const Strings& arguments, const std::string& expected) {
+      const ProcessResult result = run_simvis(arguments);
+      CHECK(result.exit_code == 2);
+      CHECK(contains(result.err, expected));
+    };
+    const std::string out = (scene.folder / "out").string();
+    for (const bool names_out : {false, true}) {
+      Strings arguments = resumed;
+      if (names_out) arguments.insert(arguments.end(), {"--out", out});
+      arguments.push_back(scene.file);
+      refused(arguments, "--resume excludes " + option);
+    }
+    CHECK_FALSE(fs::exists(out));
+    if (!can_run) continue;
+    Strings slow = scene.command("out", options);
+    slow.insert(slow.end(), {"--real-time", "0.1"});
+    Process running(slow);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!fs::exists(scene.folder / "out/CAM/000001.png") && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    running.send(SIGINT);
+    const ProcessResult stopped = running.wait();
+    CHECK(stopped.exit_code == 130);
+    CHECK(stopped.err.ends_with(" of 30\n"));
+    const std::string report = read_text(scene.folder / "out/run.json");
+    CHECK(contains(report, "\"stopped\""));
+    Strings named = scene.command("out", {"--resume"});
+    named.erase(named.begin());
+    refused(named, "other processes took part in the run");
+    refused({"--resume", "--out", out}, "other processes took part in the run");
+    CHECK(read_text(scene.folder / "out/run.json") == report);
+  }
 }
 
 TEST_CASE("a run replaces the files of the earlier run in its folder, and nothing else") {
