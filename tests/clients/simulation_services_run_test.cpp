@@ -178,17 +178,22 @@ TEST_CASE("the launch file of the ROS package starts simvis-run with the values 
   CHECK(std::filesystem::exists(folder / "a state"));
 }
 
-TEST_CASE("the ROS package has the version of SimVis, and is installed where ROS finds it") {
+TEST_CASE("the ROS package has the version and the authors of SimVis, and is installed where ROS finds it") {
   const TemporaryFolder folder;
   const std::string package = SIMVIS_SOURCE_DIR "/program/ros", build = (folder / "build").string();
   const ProcessResult read =
       Process({"python3", "-c",
                "import sys, xml.etree.ElementTree as tree\n"
                "root = tree.parse(sys.argv[1]).getroot()\n"
-               "print(root.tag, root.get('format'), root.findtext('name'), root.findtext('version'))\n",
+               "print(root.tag, root.get('format'), root.findtext('name'), root.findtext('version'))\n"
+               "print(root.findtext('maintainer'))\n",
                package + "/package.xml"})
           .wait();
-  CHECK(read.out == "package 3 simvis " + std::string(version()) + "\n");
+  const std::string authors = "The SimVis developers";
+  CHECK(read.out == "package 3 simvis " + std::string(version()) + "\n" + authors + "\n");
+  for (const char* const file : {"/CITATION.cff", "/tools/cmake/debian_package.cmake"}) {
+    CHECK(contains(read_text(std::string(SIMVIS_SOURCE_DIR) + file), authors));
+  }
   const std::string prefix = (folder / "prefix").string();
   REQUIRE(Process({"cmake", "-S", package, "-B", build}).wait().exit_code == 0);
   REQUIRE(Process({"cmake", "--install", build, "--prefix", prefix}).wait().exit_code == 0);
