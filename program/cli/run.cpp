@@ -79,6 +79,7 @@ void Run::begin_clock() {
 // A scene of another process is changed and stepped there.
 void Run::begin_services() {
   if (!options_.dds || follower_ != nullptr) return;
+  apply_trajectory();  // the state to which a reset returns has its first values
   const bool can_go_back = options_.serve.empty() && std::ranges::all_of(outlets_, &RunOutlet::can_go_back);
   services_.emplace(simulation_, control_,
                     SimulationServicesDesc{.changes = options_.dds_requests,
@@ -136,8 +137,8 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
   };
   std::uint64_t frame = 0;
   while (frame < options_.frames && received_signal() == nullptr) {
-    apply_trajectory();
     if (!shard.has(frame) || (is_made(frame) && skips)) {
+      apply_trajectory();
       simulation_.skip_frame();
       ++frame;
       continue;
@@ -147,6 +148,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     if (!time) break;
     if (services_ && time->time_ns < expected_ns) frame = 0;  // a reset
     if (frame >= first_frame) begin_outlets();
+    apply_trajectory();
     const std::int64_t start_ns = now_ns();
     if (!step()) continue;  // it is tried again
     const double step_ms = static_cast<double>(now_ns() - start_ns) / 1e6;
@@ -163,16 +165,11 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
   is_whole_ = frame >= options_.frames;
 }
 
+/// Called just before a frame is made or skipped, so that clients of a paused run find the poses of its last frame.
+/// Replaces what they have set of these parameters.
 void Run::apply_trajectory() {
   if (!trajectory_) return;
   trajectory_->apply(static_cast<double>(simulation_.next_frame().time_ns) / 1e9, simulation_.parameters());
-}
-
-/// The simulation has started again, perhaps while the run waited for the wall clock of a frame that it no longer
-/// makes.
-void Run::follow_reset() {
-  if (real_time_) real_time_->restart(control_.pace());
-  apply_trajectory();
 }
 
 void Run::serve_clients() {
@@ -208,7 +205,8 @@ std::optional<FrameTime> Run::next_time() {
   } while (!control_.makes_frame() && received_signal() == nullptr);
   control_.begin_frame();
   FrameTime time = simulation_.next_frame();
-  if (time.time_ns < expected_ns) follow_reset();
+  // After a reset, the run may have waited for the wall clock of a frame that it no longer makes.
+  if (time.time_ns < expected_ns && real_time_) real_time_->restart(control_.pace());
   if (follower_ != nullptr) time = follow().value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
   if (std::ranges::any_of(outlets_, &RunOutlet::shows_all_content)) {

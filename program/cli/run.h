@@ -53,7 +53,6 @@ class Run {
   void wait_for_clients(std::int64_t due_ns);
   void await_turn();
   void apply_trajectory();
-  void follow_reset();
   std::optional<FrameTime> next_time();
   std::optional<FrameTime> follow();
   bool step();

@@ -1,7 +1,7 @@
 """Controls a run by the services of simulation_interfaces, as clients of rmw_cyclonedds do: with the package cyclonedds of
 PyPI and types that are written down here from the definitions of simulation_interfaces 2.1.0.
 
-usage: control_run.py DOMAIN NODE [step | read | reset FRAMES]
+usage: control_run.py DOMAIN NODE [step | read | reset FRAMES | drive | record]
 """
 import os
 import random
@@ -289,7 +289,52 @@ def reset(domain, node, frames):
     result = client.call("step_simulation", 1_000_000).result
     check(result, FAILED)
     assert result.error_message.startswith(f"{frames - made} of 1000000 steps were made"), result
+    client.send("set_simulation_state", State(QUITTING))  # too late: the run is whole
     print("the run was reset")
+
+
+def drive(domain, node, resets):
+    """Of a run of 10 frames each second whose trajectory moves CART from x = 4 m on at 0.1 m/s."""
+    client = Client(domain, node)
+
+    def cart():
+        return client.call("get_entity_state", "CART").state.pose.position.x
+
+    def step(count, time_before_s):
+        check(client.call("step_simulation", count).result, OK)
+        now_s = time_s(client)
+        assert round((now_s - time_before_s) * 10) == count, (now_s, time_before_s)
+        assert abs(cart() - (4 + 0.1 * now_s)) < 1e-12, (cart(), now_s)
+        return now_s
+
+    check(client.call("set_simulation_state", State(PAUSED)).result, OK)
+    now_s = time_s(client)
+    assert abs(cart() - (4 + 0.1 * now_s)) < 1e-12, (cart(), now_s)  # of the last frame, not of the next one
+    features = client.call("get_simulator_features").features.features
+    assert (20 in features) == resets and 23 in features, features
+    now_s = step(3, now_s)
+    for name, request in ("reset_simulation", 0), ("set_simulation_state", State(STOPPED)):
+        check(client.call(name, request).result, OK if resets else UNSUPPORTED)
+        if not resets:
+            assert time_s(client) == now_s
+            continue
+        assert (time_s(client), cart()) == (0, 4)
+        check(client.call("step_simulation", 1).result, OK)
+        assert (time_s(client), cart()) == (0, 4)  # the first frame is at 0 s
+        now_s = step(2, 0)
+    check(client.call("spawn_entity", "CHAIR", False, Resource("chair.urdf"), "", PoseStamped(pose=at(2, 0, 0))).result, OK)
+    now_s = step(2, now_s)
+    check(client.call("delete_entity", "CHAIR").result, OK)
+    now_s = step(1, now_s)
+    check(client.call("set_entity_state", "CART", EntityState(pose=at(1, 0, 0)), True, False, False).result, OK)
+    assert abs(cart() - 1) < 1e-12, cart()
+    now_s = step(1, now_s)
+    check(client.call("reset_simulation", 4).result, OK)
+    check(client.call("delete_entity", "CART").result, OK)
+    check(client.call("step_simulation", 1).result, OK)
+    assert entities(client) == []
+    check(client.call("set_simulation_state", State(QUITTING)).result, OK)
+    print("the run was driven")
 
 
 def main(domain, node):
@@ -354,6 +399,8 @@ if sys.argv[3:] == ["step"]:
     Client(int(sys.argv[1]), sys.argv[2]).call("step_simulation", 1_000_000)
 if sys.argv[3:] == ["read"]:
     read(int(sys.argv[1]), sys.argv[2])
+elif sys.argv[3:] in (["drive"], ["record"]):
+    drive(int(sys.argv[1]), sys.argv[2], resets=sys.argv[3] == "drive")
 elif sys.argv[3:4] == ["reset"]:
     reset(int(sys.argv[1]), sys.argv[2], int(sys.argv[4]))
 else:

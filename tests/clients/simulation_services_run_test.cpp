@@ -3,9 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <simvis/version.h>
+#include "exchange/messages/types/sensor_types.h"
+#include "tests/messages/mcap_file.h"
 #include "tests/messages/pip_packages.h"
 #include "tests/support/error_of.h"
 #include "tests/support/loopback_dds.h"
@@ -42,6 +45,36 @@ Strings lines_of(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
+}
+
+/// What control_run.py has asked for: CHAIR stands at 2 m for two frames, CART is deleted for the last one, and no
+/// frame shows it where it was put in between.
+void check_recorded_drive(const std::filesystem::path& file) {
+  constexpr double kHalf_m = 0.5;              // of the size of each box
+  constexpr double kRounding_m = 8 * 0x1p-23;  // of a float32 below 8 m
+  constexpr std::uint64_t kPeriod_ns = 100'000'000;
+  const ros::test::McapFile recorded = ros::test::McapReader::read(read_text(file));
+  CHECK(recorded.has_end);
+  const auto scans = recorded.all<ros::LaserScan>("/SCAN/scan");
+  REQUIRE(scans.size() > 8);
+  CHECK(recorded.counts().at("/clock") == scans.size());
+  std::uint64_t frame = 0;
+  std::size_t with_chair = 0;
+  for (const ros::test::McapMessage& message : recorded.messages) {
+    if (message.topic != "/clock") continue;
+    CHECK(message.time_ns == frame * kPeriod_ns);
+    const auto range_m = static_cast<double>(scans[frame].ranges[1]);
+    const double cart_m = 4 + 0.01 * static_cast<double>(frame) - kHalf_m;
+    const bool is_chair = std::abs(range_m - (2 - kHalf_m)) <= kRounding_m;
+    with_chair += is_chair ? 1 : 0;
+    ++frame;
+    if (frame == scans.size()) {
+      CHECK(std::isinf(range_m));
+    } else if (!is_chair) {
+      CHECK(std::abs(range_m - cart_m) <= kRounding_m);
+    }
+  }
+  CHECK(with_chair == 2);
 }
 
 }  // namespace
@@ -96,6 +129,42 @@ TEST_CASE("a reset at real time goes on at real time, and the frames of --frames
   if (client.exit_code != 0) host.send(SIGINT);
   const ProcessResult ended = host.wait(std::chrono::seconds(60));
   CHECK(ended.exit_code == (client.exit_code == 0 ? 0 : 130));
+}
+
+TEST_CASE("services control a run that follows a trajectory, and one that is recorded, which can't go back in time") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const auto packages = test::pip_packages({"cyclonedds"});
+  if (!packages) return;
+  for (const bool records : {false, true}) {
+    CAPTURE(records);
+    const ControlledScene scene;
+    write_text(scene.folder / "scene.xml",
+               "<part name=\"CART\" insert_at=\"ROOT\" shape=\"box\" size=\"1 1 1\"/>"
+               "<element type=\"pose\" name=\"PATH\" insert_at=\"CART\"/>"
+               "<sensor type=\"laser_scanner\" name=\"SCAN\" insert_at=\"ROOT\" samples=\"3\"/>");
+    write_text(scene.folder / "path.csv", "time_s,PATH.x\n0,4\n1000,104\n");
+    const std::string domain = std::to_string(own_domain());
+    Strings command{simvis_run(), "--dds",       domain, "--dds-requests", "--rate",
+                    "10",         "--real-time", "1",    "--trajectory",   (scene.folder / "path.csv").string()};
+    const Strings record = {"--record", (scene.folder / "run.mcap").string(), "--record-topics",
+                            "/clock,/SCAN/scan,/nothing"};
+    if (records) command.insert(command.end(), record.begin(), record.end());
+    command.push_back(scene.file());
+    Process host(command);
+    const ProcessResult client = Process({"python3", SIMVIS_SOURCE_DIR "/tests/clients/control_run.py", domain,
+                                          "/simvis", records ? "record" : "drive"},
+                                         {"PYTHONPATH=" + packages->string()})
+                                     .wait(std::chrono::seconds(120));
+    INFO(client.out, client.err, host.err_so_far());
+    CHECK(client.exit_code == 0);
+    CHECK(contains(client.out, "the run was driven"));
+    if (client.exit_code != 0) host.send(SIGINT);
+    const ProcessResult ended = host.wait(std::chrono::seconds(60));
+    CHECK(ended.exit_code == 130);
+    CHECK(contains(ended.err, "of 10001\n"));  // without the hint to --resume, which goes on with no run of others
+    CHECK_FALSE(contains(ended.err, "no topic has matched"));
+    if (records && client.exit_code == 0) check_recorded_drive(scene.folder / "run.mcap");
+  }
 }
 
 TEST_CASE("without --dds-requests, services that read answer by DDS, and those that change something refuse") {
