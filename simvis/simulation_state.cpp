@@ -1,14 +1,12 @@
 // The state of a simulation between two frames, as bytes.
 #include <algorithm>
 #include <cstring>
-#include <map>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <simvis/command.h>
 #include <simvis/location.h>
 #include <simvis/sensor_type.h>
 #include <simvis/state_archive.h>
@@ -16,6 +14,7 @@
 #include "engine/base/binary_numbers.h"
 #include "engine/base/fnv1a.h"
 #include "sensors/sensor_state.h"
+#include "simvis/change_log.h"
 #include "simvis/simulation_impl.h"
 
 namespace simvis {
@@ -81,33 +80,12 @@ std::uint64_t hash_of(const SimulationDesc& desc) {
   return hash;
 }
 
-// The commands of a log whose objects stand in the scene: without those that were removed later, and the removals.
-std::vector<std::string> standing_commands(const std::vector<std::string>& log) {
-  const auto removes = [](const std::string& text) { return text.starts_with("<remove "); };
-  if (std::ranges::none_of(log, removes)) return log;
-  std::map<std::pair<std::string, std::string>, std::size_t> made;  // by tag and name, which one object has at a time
-  std::vector<bool> stands(log.size(), true);
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    const Command command = parse_commands(log[i], "the log of changes", "").front();
-    const std::string& name = command.require("name").value;
-    if (command.kind == CommandKind::remove) {
-      stands[i] = stands[made.at({command.require("kind").value, name})] = false;
-    } else {
-      made[{std::string(to_string(command.kind)), name}] = i;
-    }
-  }
-  std::vector<std::string> standing;
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    if (stands[i]) standing.push_back(log[i]);
-  }
-  return standing;
-}
-
-// Scenes of the same commands have the same objects, in the same order.
-void archive_commands(StateArchive& state, const std::vector<std::string>& commands) {
+// Scenes whose objects are of the same commands have the same objects, in the same order.
+void archive_commands(StateArchive& state, const std::vector<std::string>& log) {
+  const std::vector<std::size_t> standing = standing_commands(log);
   std::vector<std::uint64_t> hashes;
-  hashes.reserve(commands.size());
-  for (const std::string& command : commands) hashes.push_back(fnv1a(command));
+  hashes.reserve(standing.size());
+  for (const std::size_t command : standing) hashes.push_back(fnv1a(log[command]));
   std::vector<std::uint64_t> saved = hashes;
   state(saved);
   const auto [here, there] = std::ranges::mismatch(hashes, saved);
@@ -115,11 +93,11 @@ void archive_commands(StateArchive& state, const std::vector<std::string>& comma
   const auto first = static_cast<std::size_t>(here - hashes.begin());
   throw InputError(
       "the state is of another scene: command " + std::to_string(first + 1) +
-      (first < commands.size() ? " here is " + commands[first] : " is missing here") +
+      (first < standing.size() ? " here is " + log[standing[first]] : " is missing here") +
       ", expected a scene of the same commands and requests in the same order, apart from what was removed");
 }
 
-void archive_scene(StateArchive& state, const SimulationDesc& desc, const std::vector<std::string>& commands) {
+void archive_scene(StateArchive& state, const SimulationDesc& desc, const std::vector<std::string>& log) {
   state.object("the scene", [&] {
     std::uint64_t settings = hash_of(desc);
     state(settings);
@@ -128,7 +106,7 @@ void archive_scene(StateArchive& state, const SimulationDesc& desc, const std::v
           "the state is of a simulation with another seed, rate or override of attributes, expected the "
           "same settings");
     }
-    archive_commands(state, commands);
+    archive_commands(state, log);
   });
 }
 
@@ -157,7 +135,7 @@ std::string SimulationImpl::save_state() {
   finish();
   measure_skipped();
   StateArchive state;
-  archive_scene(state, desc, standing_commands(scene.built.parameters.changes()));
+  archive_scene(state, desc, scene.built.parameters.changes());
   archive(state);
   return to_saved_state(state.bytes());
 }
@@ -167,7 +145,7 @@ void SimulationImpl::restore_state(std::string_view bytes) {
   finish();
   measure_skipped();
   StateArchive state(content_of(bytes));
-  archive_scene(state, desc, standing_commands(scene.built.parameters.changes()));
+  archive_scene(state, desc, scene.built.parameters.changes());
   StateArchive present;
   present.keep_all();
   archive(present);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <glm/gtc/quaternion.hpp>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "exchange/messages/from_pose.h"
 #include "scenegraph/graph_walk.h"
 #include "simvis/built_scene.h"
+#include "simvis/change_log.h"
 #include "simvis/mount_frame.h"
 #include "simvis/nested_points.h"
 #include "simvis/ros/frame_tree.h"
@@ -123,6 +125,9 @@ std::string to_xml(CommandKind kind, const Attributes& attributes) {
 
 }  // namespace
 
+SceneEntities::SceneEntities(Simulation& simulation, std::span<const std::filesystem::path> folders)
+    : simulation_(simulation), folders_(folders), start_(standing_commands(simulation.parameters().changes())) {}
+
 const BuiltScene& SceneEntities::scene() { return updated_scene(simulation_); }
 
 void SceneEntities::require(const std::string& entity) {
@@ -227,7 +232,6 @@ std::size_t SceneEntities::pose_element(const std::string& entity) {
   if (const std::optional<std::size_t> found = find_pose_element(entity)) return *found;
   const std::string name = free_element(entity);
   execute(to_xml(CommandKind::element, {{"type", "pose"}, {"name", name}, {"insert_at", entity}, {"moves", "all"}}));
-  added_poses_.push_back(name);
   return find_pose_element(entity).value();
 }
 
@@ -287,8 +291,11 @@ void SceneEntities::place(const std::string& entity, const ros::EntityState& sta
 
 bool SceneEntities::is_taken(const std::string& name) {
   const BuiltScene& built = scene();
-  return built.scene.has_insertion_point(name) || built.scene.find_node(name) != nullptr ||
-         std::ranges::count(built.sensors, name, &BuiltSensor::name) > 0;
+  return built.scene.has_insertion_point(name) || built.scene.find_node(name) != nullptr || has_sensor(name);
+}
+
+bool SceneEntities::has_sensor(const std::string& name) {
+  return std::ranges::count(scene().sensors, name, &BuiltSensor::name) > 0;
 }
 
 bool SceneEntities::has_element(const std::string& name) {
@@ -337,6 +344,7 @@ std::string SceneEntities::spawn(const ros::EntitySpawn& request) {
   for (std::size_t i = 0; i < kPoseValues; ++i) {
     element.emplace_back(kPoseRows[i].name, format_number(values[i]));
   }
+  const std::size_t number = simulation_.parameters().changes().size();
   try {
     folders_.check(folders_.start() / file);
     if (!is_there(folders_.start() / file)) {
@@ -349,33 +357,62 @@ std::string SceneEntities::spawn(const ros::EntitySpawn& request) {
     throw ServiceRefusal(is_of_file ? Spawn::kResourceParseError : Result::kFailed,
                          without_file_content(error.what(), request.entity_resource.uri + request.name));
   }
-  spawned_.push_back(name);
+  spawned_.push_back(number);
   return name;
 }
-
-bool SceneEntities::is_entity(const std::string& name) { return scene().scene.has_part(name); }
 
 void SceneEntities::remove(const std::string& entity) {
   require(entity);
   execute(to_xml(CommandKind::remove, {{"name", entity}, {"kind", "part"}}));
-  std::erase(spawned_, entity);
 }
 
-// What another request has removed is left out.
-void SceneEntities::remove_spawned() {
-  const std::vector<std::string> all = spawned_;
-  for (auto each = all.rbegin(); each != all.rend(); ++each) {
-    if (scene().scene.has_part(*each)) remove(*each);
+bool SceneEntities::stands(const Command& made) {
+  const std::string& name = made.require("name").value;
+  if (made.kind == CommandKind::part) return scene().scene.has_part(name);
+  return made.kind == CommandKind::element ? has_element(name) : has_sensor(name);
+}
+
+// The last one first, because commands refer to what stands before them. In one request they may also refer to sensors
+// that follow, so what can't be removed yet is tried again.
+void SceneEntities::remove_made_by(std::span<const std::size_t> commands) {
+  std::vector<Command> left;
+  for (auto each = commands.rbegin(); each != commands.rend(); ++each) {
+    left.push_back(logged_command(simulation_.parameters().changes()[*each]));
   }
-  spawned_.clear();
+  while (!left.empty()) {
+    std::vector<Command> refused;
+    std::exception_ptr why;
+    for (const Command& made : left) {
+      if (!stands(made)) continue;  // it has gone with another one
+      try {
+        execute(to_xml(CommandKind::remove,
+                       {{"name", made.require("name").value}, {"kind", std::string(to_string(made.kind))}}));
+      } catch (const InputError&) {
+        refused.push_back(made);
+        why = std::current_exception();
+      }
+    }
+    if (refused.size() == left.size()) std::rethrow_exception(why);
+    left = std::move(refused);
+  }
+}
+
+void SceneEntities::remove_spawned() {
+  const std::vector<std::size_t> standing = standing_commands(simulation_.parameters().changes());
+  std::erase_if(spawned_, [&](std::size_t each) { return !std::ranges::binary_search(standing, each); });
+  remove_made_by(spawned_);
 }
 
 void SceneEntities::remove_added() {
-  remove_spawned();
-  for (; !added_poses_.empty(); added_poses_.pop_back()) {
-    if (!has_element(added_poses_.back())) continue;
-    execute(to_xml(CommandKind::remove, {{"name", added_poses_.back()}, {"kind", "element"}}));
+  const std::vector<std::string>& log = simulation_.parameters().changes();
+  const std::vector<std::size_t> standing = standing_commands(log);
+  const auto [here, there] = std::ranges::mismatch(standing, start_);
+  if (there != start_.end()) {
+    const Command removed = logged_command(log[*there]);
+    throw InputError(std::string(to_string(removed.kind)) + " " + removed.require("name").value +
+                     " was removed, expected all that the scene had at the start: a reset makes nothing again");
   }
+  remove_made_by({here, standing.end()});
   placed_.clear();
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/command.h>
 #include <simvis/simulation.h>
 #include "exchange/messages/types/simulation_types.h"
 #include "simvis/scene_builder.h"
@@ -29,9 +30,9 @@ struct ServiceRefusal : std::runtime_error {
 /// Errors  ServiceRefusal for what a request may not have; InputError and MachineError of the simulation.
 class SceneEntities {
  public:
-  /// `simulation` must outlive it. Resources lie below `folders`. Throws InputError: there is no such folder.
-  SceneEntities(Simulation& simulation, std::span<const std::filesystem::path> folders)
-      : simulation_(simulation), folders_(folders) {}
+  /// The scene is at its start now. `simulation` must outlive it. Resources lie below `folders`. Throws InputError:
+  /// there is no such folder.
+  SceneEntities(Simulation& simulation, std::span<const std::filesystem::path> folders);
 
   /// The names that match.
   std::vector<std::string> names(const ros::EntityFilters& filters);
@@ -39,14 +40,14 @@ class SceneEntities {
   std::optional<ros::EntityState> state(const std::string& entity);
   /// The same of many entities, all of which are there.
   std::vector<std::optional<ros::EntityState>> states(std::span<const std::string> entities);
-  bool is_entity(const std::string& name);
   /// Puts an entity somewhere, and its body at rest. The codes of a wrong pose are those of SetEntityState.
   void place(const std::string& entity, const ros::EntityState& state);
   /// Returns the name of the new entity.
   std::string spawn(const ros::EntitySpawn& request);
   void remove(const std::string& entity);
   void remove_spawned();
-  /// Removes the spawned entities, and the elements that place() has added.
+  /// Removes all parts, elements and sensors that were added since the start, by whatever request. Throws InputError if
+  /// one of the start was removed, and then removes nothing.
   void remove_added();
   /// A frame has been made: bodies that were put somewhere may move again.
   void forget_places() { placed_.clear(); }
@@ -63,12 +64,16 @@ class SceneEntities {
   std::string free_name(const ros::EntitySpawn& request, const std::string& stem);
   bool is_taken(const std::string& name);
   bool has_element(const std::string& name);
+  bool has_sensor(const std::string& name);
   std::string free_element(const std::string& entity);
+  bool stands(const Command& made);
+  void remove_made_by(std::span<const std::size_t> commands);
   void execute(const std::string& xml);
 
   Simulation& simulation_;
   AllowedFolders folders_;
-  std::vector<std::string> spawned_, added_poses_;
+  // Numbers in the log of changes: of the commands whose objects stood at the start, and of those that have spawned.
+  std::vector<std::size_t> start_, spawned_;
   std::set<std::string> placed_;  // since the last frame
 };
 

@@ -98,7 +98,6 @@ SimulationServices::SimulationServices(Simulation& simulation, RunControl& contr
   } else if (desc_.changes) {
     try {
       start_ = simulation.save_state();
-      start_entities_ = entities_.names({});
     } catch (const InputError& error) {  // a sensor of a plug-in has no state that can be saved
       no_reset_ = error.what();
     }
@@ -323,12 +322,7 @@ void SimulationServices::reset(const ros::ResetSimulationRequest& request, ros::
   is_all ? restart() : entities_.remove_spawned();
 }
 
-// What the scene had at the start is not made again, so nothing is removed if some of it was deleted.
 void SimulationServices::restart() {
-  for (const std::string& each : start_entities_) {
-    if (entities_.is_entity(each)) continue;
-    throw InputError("the state is of another scene: " + each + " is missing here, expected all entities of the start");
-  }
   control_.note_change();
   entities_.remove_added();
   simulation_.restore_state(start_);

@@ -89,8 +89,7 @@ class SimulationServices {
   RunControl& control_;
   SimulationServicesDesc desc_;
   SceneEntities entities_;
-  std::string start_;  // the state to which a reset returns
-  std::vector<std::string> start_entities_;
+  std::string start_;                                     // the state to which a reset returns
   std::string no_reset_;                                  // why there is none; empty: there is one
   bool stopped_ = false, quits_ = false, ended_ = false;  // stopped: no frame has been made since
   struct Steps {

@@ -112,6 +112,8 @@ TEST_CASE("when the run has ended, services answer, and change nothing") {
   ControlledRun run;
   CHECK(run.set_run(2).result == Result::kOk);
   run.services.end();
+  CHECK(run.set_run(ros::SimulationState::kQuitting).result == Result::kIncorrectState);
+  CHECK_FALSE(run.quit);
   const auto stepped = run.ask_later<ros::ResultReply>("step_simulation", ros::StepSimulationRequest{{}, 1});
   REQUIRE(stepped.has_value());
   CHECK(stepped->result.result == Result::kIncorrectState);
@@ -195,11 +197,74 @@ TEST_CASE("after a reset come the frames of the start, whatever was spawned, put
   CHECK(run.remove("WALL").result == Result::kOk);
   const Result result = run.reset();  // what the scene had is not made again
   CHECK(result.result == Result::kFailed);
-  CHECK(contains(result.error_message, "the state is of another scene"));
+  CHECK(contains(result.error_message, "part WALL was removed, expected all that the scene had at the start"));
   CHECK(run.set_run(0).result == ros::SetSimulationStateRequest::kTransitionError);
   CHECK(run.control.is_playing());
   CHECK(run.entities("CHAIR").size() == 1);
   CHECK(run.run(1) == 1);
+}
+
+std::vector<double> next_frames(ControlledRun& run) {
+  std::vector<double> values;
+  for (int i = 0; i < 5; ++i) {
+    CHECK(run.run(1) == 1);
+    for (const float range_m : run.simulation.scan("EYE").range_m) values.push_back(static_cast<double>(range_m));
+    values.push_back(run.state("BALL").state.pose.position.z);
+  }
+  return values;
+}
+
+TEST_CASE("a reset removes what other requests have added, and fails if they have removed something of the start") {
+  const std::string added[] = {
+      R"(<part name="NEW" insert_at="ROOT" shape="box" size="1 1 1" pose_offset="3 0 0 0 0 0"/>)",
+      R"(<part name="NEW" insert_at="CHAIR" shape="box" size="1 1 1"/>)",
+      R"(<part name="NEW" insert_at="ROOT" shape="sphere" radius="0.5" pose_offset="0 0 998.5 0 0 0"/>
+         <element type="body" name="NEW_BODY" insert_at="NEW" shape="sphere" mass="2"/>)",
+      R"(<element type="pose" name="NEW" insert_at="WALL" x="-2" moves="all"/>)",
+      R"(<sensor type="laser_scanner" name="NEW" insert_at="WALL" samples="2"/>)",
+      // Here what comes first refers to what follows, so the last one can't be removed first.
+      R"(<element type="laser_beams" name="BEAMS" insert_at="ROOT" scanner="NEW"/>
+         <sensor type="laser_scanner" name="NEW" insert_at="ROOT" samples="2"/>)"};
+  for (const std::string& request : added) {
+    for (const bool spawned_first : {false, true}) {
+      CAPTURE(request);
+      CAPTURE(spawned_first);
+      ControlledRun run;
+      const std::vector<double> first = next_frames(run);
+      const auto spawn = [&] {
+        CHECK(run.spawn(spawn_of("CHAIR", "chair.urdf", pose_at(2, 0, 0))).result.result == Result::kOk);
+      };
+      const bool needs_chair = request.find("CHAIR") != std::string::npos;
+      if (needs_chair || spawned_first) spawn();
+      run.simulation.execute(request, run.folder.path(), "another request");
+      if (!needs_chair && !spawned_first) spawn();
+      CHECK(next_frames(run) != first);
+      CHECK(run.reset().result == Result::kOk);
+      CHECK(run.entities() == std::vector<std::string>{"BALL", "MOUNT", "CART", "WALL"});
+      CHECK(run.simulation.sensors().size() == 1);
+      CHECK(next_frames(run) == first);
+    }
+  }
+  for (const std::string request :
+       {R"(<remove name="WALL"/>)", R"(<remove name="CART_FRAME"/>)", R"(<remove name="EYE"/>)"}) {
+    CAPTURE(request);
+    ControlledRun run;
+    CHECK(run.spawn(spawn_of("CHAIR", "chair.urdf")).result.result == Result::kOk);
+    run.simulation.execute(request, run.folder.path(), "another request");
+    CHECK(run.reset().result == Result::kFailed);
+    CHECK(run.entities("CHAIR").size() == 1);
+  }
+}
+
+TEST_CASE("a reset of what was spawned leaves what another request has given the same name") {
+  ControlledRun run;
+  CHECK(run.spawn(spawn_of("CHAIR", "chair.urdf")).result.result == Result::kOk);
+  run.simulation.execute(R"(<remove name="CHAIR"/>)", run.folder.path(), "another request");
+  run.simulation.execute(R"(<part name="CHAIR" insert_at="ROOT"/>)", run.folder.path(), "another request");
+  CHECK(run.reset(4).result == Result::kOk);
+  CHECK(run.entities("CHAIR").size() == 1);
+  CHECK(run.reset().result == Result::kOk);
+  CHECK(run.entities("CHAIR").empty());
 }
 
 TEST_CASE("bytes that are no request of a service are refused") {
