@@ -201,7 +201,7 @@ std::optional<FrameTime> Run::next_time() {
   const std::int64_t expected_ns = simulation_.next_frame().time_ns;
   do {
     await_turn();
-    if (real_time_) real_time_->wait(simulation_.next_frame());
+    if (real_time_ && received_signal() == nullptr) real_time_->wait(simulation_.next_frame());
   } while (!control_.makes_frame() && received_signal() == nullptr);
   control_.begin_frame();
   FrameTime time = simulation_.next_frame();
