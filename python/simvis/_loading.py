@@ -11,7 +11,7 @@ from ._mistakes import checked_keywords
 from ._scenes import scene_file, scene_text
 
 if TYPE_CHECKING:
-    from typing import Self  # since Python 3.11
+    from typing_extensions import Self  # typing has it since Python 3.11; type checkers know both
 
 
 class Loading(Core):

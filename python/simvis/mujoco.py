@@ -74,7 +74,7 @@ class Followed:
         for name, (pose, _, _) in zip([*names, part], points, strict=False):
             if pose is None:
                 raise InputError(f'"{name}" stands in a part that is switched off, expected it on')
-        rest = np.array([pose for pose, _, _ in points]).reshape(-1, 4, 4)
+        rest: Matrices = np.array([pose for pose, _, _ in points]).reshape(-1, 4, 4)
         groups = np.array([group for _, group, _ in points[:len(names)]]).reshape(-1, 4, 4)
         base = _inverse(rest[len(names):])[0] if part else np.eye(4)
         rest = rest[:len(names)]

@@ -6,13 +6,26 @@ import subprocess
 import sys
 import tempfile
 import unittest
-from contextlib import chdir
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 # What an example needs besides the module, where pip may not have it.
 NEEDED = {"follow_mujoco": ("mujoco", "gymnasium", "glfw", "imageio")}
+
+
+@contextmanager
+def working_folder() -> Iterator[None]:
+    """A temporary working directory."""
+    before = os.getcwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            yield
+        finally:
+            os.chdir(before)
 
 
 class Documents(unittest.TestCase):
@@ -22,7 +35,7 @@ class Documents(unittest.TestCase):
             programs = [program for program in programs if "import simvis\n" in program]
             self.assertTrue(programs, page)
             for program in programs:
-                with self.subTest(page=page, program=program), tempfile.TemporaryDirectory() as folder, chdir(folder):
+                with self.subTest(page=page, program=program), working_folder():
                     exec(compile(program, page, "exec"), {"__name__": "document"})
 
     def test_examples(self) -> None:

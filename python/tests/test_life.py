@@ -401,7 +401,7 @@ class Life(unittest.TestCase):
             sim.execute(command)
         sim.step()
 
-    @unittest.skipUnless(find_spec("_xxsubinterpreters"), "needs the subinterpreters of CPython 3.11 and 3.12")
+    @unittest.skipUnless(find_spec("_xxsubinterpreters"), "needs the subinterpreters of CPython up to 3.12")
     def test_a_subinterpreter_is_refused(self) -> None:
         process = started("""
             import _xxsubinterpreters

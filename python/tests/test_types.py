@@ -19,7 +19,7 @@ import simvis
 from simvis import testing
 
 sim = simvis.Simulation.load("scene.xml", rate_hz=30, overrides={"laser_scanner.method": "planar"})
-ranges: np.ndarray = sim.sensors["FRONT"].range_m
+ranges: "np.typing.NDArray[np.float32]" = sim.sensors["FRONT"].range_m
 scan: simvis.Scan = sim.sensors["FRONT"].scan
 count: int = scan.rings * scan.beams
 sim.elements["P"].yaw = 90.0
@@ -44,7 +44,12 @@ sim.step(10)  # wrong
 sim.step(dt_s=0.1)
 """
 MORE_MODULES = ["data", *(["gym"] if find_spec("gymnasium") else [])]
-README = Path(__file__).resolve().parents[2] / "README.md"
+ROOT = Path(__file__).resolve().parents[2]
+README = ROOT / "README.md"
+# The oldest Python that the package promises, and one with all that mypy knows: it says which syntax and names came later.
+OLDEST = re.findall(r'^requires-python = ">=(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)[0]
+NEWEST = "3.99"
+BESIDE_THE_PACKAGE = ["exchange/clients", "import/programs", "program/ros", "python/examples", "python/tests"]
 
 
 def installed(module: str) -> bool:
@@ -79,7 +84,18 @@ class Types(unittest.TestCase):
 
     @unittest.skipUnless(installed("mypy"), "mypy is not installed")
     def test_mypy(self) -> None:
-        self.run_on("mypy", "--strict", "--cache-dir", os.devnull)
+        self.run_on("mypy", "--strict", "--python-version", OLDEST, "--cache-dir", os.devnull)
+
+    @unittest.skipUnless(installed("mypy"), "mypy is not installed")
+    def test_programs_beside_the_package_need_no_newer_python(self) -> None:
+        """Most have no types, so mypy finds mistakes in them: the same ones for the oldest Python and for the newest."""
+        files = [file for folder in BESIDE_THE_PACKAGE for file in sorted((ROOT / folder).rglob("*.py"))]
+        command = [sys.executable, "-m", "mypy", "--config-file=", "--no-site-packages", "--check-untyped-defs"]
+        with tempfile.TemporaryDirectory() as folder:
+            found = [subprocess.run([*command, "--cache-dir", os.devnull, "--python-version", version, *files], cwd=folder,
+                                    text=True, capture_output=True).stdout for version in (OLDEST, NEWEST)]
+        self.assertIn(f"checked {len(files)} source files", found[0])
+        self.assertEqual(set(found[0].splitlines()) ^ set(found[1].splitlines()), set())
 
     @unittest.skipUnless(installed("mypy"), "mypy is not installed")
     def test_mistakes_have_errors_of_types(self) -> None:
@@ -97,7 +113,7 @@ class Types(unittest.TestCase):
         run = subprocess.run([sys.executable, "-m", "pyright", "--version"], capture_output=True)
         if run.returncode != 0:
             self.skipTest("pyright cannot fetch its program")
-        self.run_on("pyright", "--pythonpath", sys.executable)
+        self.run_on("pyright", "--pythonversion", OLDEST, "--pythonpath", sys.executable)
 
     @unittest.skipUnless(installed("pyright"), "pyright is not installed")
     def test_every_public_name_has_a_type(self) -> None:
@@ -110,6 +126,10 @@ class Types(unittest.TestCase):
         if "score" not in run.stdout:
             self.skipTest("pyright cannot fetch its program")
         self.assertIn("Type completeness score: 100%", run.stdout)
+
+    def test_the_oldest_python_is_the_same_everywhere(self) -> None:
+        for file in ("README.md", "docs/python.md", "docs/shared-memory.md", "python/CMakeLists.txt"):
+            self.assertIn(f"Python {OLDEST}", (ROOT / file).read_text(), file)
 
     def test_everything_public_is_documented(self) -> None:
         self.assertTrue(readme_programs())
