@@ -200,7 +200,13 @@ void SceneBuilder::note_made(const Command& command, AttributeTable table, std::
   for (const AttributeSpec& spec : table) {
     const CommandAttribute* const attribute = is_reference(spec.kind) ? command.find(spec.name) : nullptr;
     if (attribute == nullptr) continue;
-    made.references.push_back({*referred_kind(spec.kind), attribute->name, attribute->value, attribute->where});
+    const CommandKind kind = *referred_kind(spec.kind);
+    Made::Reference reference{kind, attribute->name, attribute->value, {}, attribute->where};
+    if (kind == CommandKind::part) {
+      const ObjectTree& objects = built_.scene.objects();
+      if (const auto found = objects.find(attribute->value)) reference.object = objects[*found].name;
+    }
+    made.references.push_back(std::move(reference));
   }
   if (command.kind == CommandKind::part) {
     const ObjectTree& objects = built_.scene.objects();

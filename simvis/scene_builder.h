@@ -170,6 +170,7 @@ class SceneBuilder {
     struct Reference {
       CommandKind kind;
       std::string attribute, name;
+      std::string object;  // that the name of a part or of what stands in one finds; else empty
       Location where;
     };
     CommandKind kind;

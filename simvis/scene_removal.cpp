@@ -80,13 +80,20 @@ std::set<std::uint64_t> SceneBuilder::hanging_on(std::uint64_t made) const {
 
 void SceneBuilder::refuse_referred(const Command& command, const std::set<std::uint64_t>& doomed) const {
   std::set<std::pair<CommandKind, std::string_view>> names;
-  for (const std::uint64_t id : doomed) names.emplace(made_.at(id).kind, made_.at(id).name);
+  for (const std::uint64_t id : doomed) {
+    const Made& made = made_.at(id);
+    names.emplace(made.kind, made.name);
+    for (const std::string& point : made.points) names.emplace(CommandKind::part, point);
+  }
   for (const auto& [id, made] : made_) {
     if (doomed.contains(id)) continue;
     for (const Made::Reference& each : made.references) {
-      if (!names.contains({each.kind, each.name})) continue;
-      fail_at(command.require("name").where, noun(made.kind, made.name) + " refers to " + noun(each.kind, each.name) +
-                                                 " as its " + in_quotes(each.attribute) +
+      const bool is_object = !each.object.empty();
+      if (!names.contains({each.kind, is_object ? each.object : each.name})) continue;
+      const ObjectTree& objects = built_.scene.objects();
+      const std::string kind(is_object ? to_string(objects[*objects.find(each.object)].kind) : to_string(each.kind));
+      fail_at(command.require("name").where, noun(made.kind, made.name) + " refers to " + kind + " " +
+                                                 in_quotes(each.name) + " as its " + in_quotes(each.attribute) +
                                                  ", expected it to be removed before");
     }
   }

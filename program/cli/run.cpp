@@ -135,18 +135,19 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
   const auto is_made = [&](std::uint64_t frame) {
     return frame < first_frame || (dataset_ != nullptr && dataset_->has(frame));
   };
+  const auto is_skipped = [&](std::uint64_t frame) { return !shard.has(frame) || (is_made(frame) && skips); };
   std::uint64_t frame = 0;
   while (frame < options_.frames && received_signal() == nullptr) {
-    if (!shard.has(frame) || (is_made(frame) && skips)) {
+    if (is_skipped(frame)) {
       apply_trajectory();
       simulation_.skip_frame();
       ++frame;
       continue;
     }
-    const std::int64_t expected_ns = simulation_.next_frame().time_ns;
+    const std::uint64_t expected = simulation_.next_frame().index;
     const std::optional<FrameTime> time = next_time();
     if (!time) break;
-    if (services_ && time->time_ns < expected_ns) frame = 0;  // a reset
+    if (services_ && time->index < expected) report_.next_frame = frame = 0;  // a reset
     if (frame >= first_frame) begin_outlets();
     apply_trajectory();
     const std::int64_t start_ns = now_ns();
@@ -162,11 +163,13 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     if (outlet_failure_) std::rethrow_exception(outlet_failure_);
     require_memory();
   }
+  while (frame < options_.frames && is_skipped(frame)) ++frame;  // a signal came behind the last one that is made
   is_whole_ = frame >= options_.frames;
 }
 
 /// Called just before a frame is made or skipped, so that clients of a paused run find the poses of its last frame.
-/// Replaces what they have set of these parameters.
+/// Replaces what they have set of these parameters before. What comes while the run plays is taken by the step itself,
+/// and is kept for one frame.
 void Run::apply_trajectory() {
   if (!trajectory_) return;
   trajectory_->apply(static_cast<double>(simulation_.next_frame().time_ns) / 1e9, simulation_.parameters());
@@ -198,7 +201,7 @@ void Run::await_turn() {
 
 /// Waits until the next frame is due, and has its scene. Empty: a signal came.
 std::optional<FrameTime> Run::next_time() {
-  const std::int64_t expected_ns = simulation_.next_frame().time_ns;
+  const std::uint64_t expected = simulation_.next_frame().index;
   do {
     await_turn();
     if (real_time_ && received_signal() == nullptr) real_time_->wait(simulation_.next_frame());
@@ -206,7 +209,7 @@ std::optional<FrameTime> Run::next_time() {
   control_.begin_frame();
   FrameTime time = simulation_.next_frame();
   // After a reset, the run may have waited for the wall clock of a frame that it no longer makes.
-  if (time.time_ns < expected_ns && real_time_) real_time_->restart(control_.pace());
+  if (time.index < expected && real_time_) real_time_->restart(control_.pace());
   if (follower_ != nullptr) time = follow().value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
   if (std::ranges::any_of(outlets_, &RunOutlet::shows_all_content)) {

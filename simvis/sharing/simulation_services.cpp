@@ -318,8 +318,8 @@ void SimulationServices::reset(const ros::ResetSimulationRequest& request, ros::
                                                    ", expected 0, 7 or 255, all, or 4, the entities that were spawned");
   }
   if (is_all) require_reset();
-  if (!control_.is_playing()) control_.pause();  // without the steps that are left
   is_all ? restart() : entities_.remove_spawned();
+  if (!control_.is_playing()) control_.pause();  // without the steps that are left
 }
 
 void SimulationServices::restart() {

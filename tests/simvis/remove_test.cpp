@@ -1,6 +1,9 @@
 // `remove`: what it takes out, what it refuses, and that nothing of the removed is left.
 #include <doctest/doctest.h>
 
+#include <map>
+#include <string>
+
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/support/error_of.h"
@@ -171,6 +174,19 @@ TEST_CASE("remove: what something else refers to stays, and so do ROOT and what 
   CHECK(test.scene->built.sensors.empty());
   write_text(test.folder / "eraser.stub", "<remove name='BOX'/>");
   CHECK(contains(test.refusal("<part file='eraser.stub' name='X' insert_at='ROOT'/>"), "cannot remove anything"));
+}
+
+TEST_CASE("remove: a part stays while something refers to what is in its file, by name or by path") {
+  for (const auto& [name, object] : std::map<std::string, std::string>{
+           {"ARM", "part \"ARM\""}, {"HAND", "frame \"HAND\""}, {"ARM/HAND", "frame \"HAND\""}}) {
+    INFO(name);
+    Removal test("<part file='arm.stub' name='ARM' insert_at='ROOT'/>");
+    test.execute("<element type='trail' name='TRAIL' insert_at='ROOT' part='" + name + "'/>");
+    const std::string error = test.refusal("<remove name='ARM'/>");
+    CHECK_MESSAGE(contains(error, "element \"TRAIL\" refers to " + object + " as its \"part\""), error);
+    test.execute("<remove name='TRAIL'/><remove name='ARM'/>");
+    CHECK(simvis::test::part_names(test.scene->built.scene).empty());
+  }
 }
 
 TEST_CASE(

@@ -135,6 +135,23 @@ TEST_CASE("an invalid share, and scenes whose frames cannot be made separately")
   CHECK(run_checked({"--help"}).out.find("--shard K/N") != std::string::npos);
 }
 
+TEST_CASE("a signal after the last frame of a share finds it whole, also if other shares have later frames") {
+  constexpr const char* kInterruptAtFile =
+      "import os, signal, subprocess, sys, time\n"
+      "run = subprocess.Popen(sys.argv[2:])\n"
+      "while run.poll() is None and not os.path.exists(sys.argv[1]): time.sleep(1e-4)\n"
+      "run.send_signal(signal.SIGTERM)\n"
+      "sys.exit(run.wait())\n";
+  const TemporaryFolder folder;
+  const std::string scene = write_wall_scene(folder.path(), kShardedSensors).string(), out = (folder / "out").string();
+  const ProcessResult result = Process({"python3", "-c", kInterruptAtFile, out + "/CAM/000002.png", simvis_run(), scene,
+                                        "--out", out, "--frames", "4", "--quiet", "--shard", "0/2"})
+                                   .wait();
+  INFO(result.err);
+  CHECK(result.exit_code == 0);
+  CHECK(nlohmann::json::parse(read_text(folder / "out/run-0-of-2.json")).at("status") == "complete");
+}
+
 TEST_CASE("a signal that comes when all frames are made changes nothing, also in a share without the last frame") {
   // The explanation follows the last frame. Its pipe holds little of it, so the run waits for the reader in finish().
   constexpr const char* kInterruptAtTheEnd =
