@@ -353,6 +353,32 @@ Matrix turn_of(const glm::dvec4& quaternion) {
           Vector(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))};
 }
 
+glm::mat<2, 2, Real> slope_of_distortion(const SensorDesc& camera, const Vector2& tangents) {
+  constexpr Real kStep = 1e-6L;
+  const Vector2 here = distorted(camera, tangents);
+  return {(distorted(camera, tangents + Vector2(kStep, 0)) - here) / kStep,
+          (distorted(camera, tangents + Vector2(0, kStep)) - here) / kStep};
+}
+
+// Newton, along with the place from the middle outwards. The slopes are differences, which lead to the last digits in
+// the end. Empty: the place lies behind a fold of the distortion, beyond which a lens shows nothing.
+std::optional<Vector2> undistorted(const SensorDesc& camera, const Vector2& place) {
+  constexpr int kParts = 8, kRough = 3, kFine = 8, kLooks = 16;
+  Vector2 tangents(0);
+  for (int part = 1; part <= kParts; ++part) {
+    const Vector2 goal = place * (Real(part) / kParts);
+    for (int i = 0; i < (part < kParts ? kRough : kFine); ++i) {
+      tangents += glm::inverse(slope_of_distortion(camera, tangents)) * (goal - distorted(camera, tangents));
+    }
+  }
+  constexpr Real kFound = 1e-12L;  // far above the rounding of long double
+  if (!(glm::length(distorted(camera, tangents) - place) < kFound)) return std::nullopt;
+  for (int look = 1; look <= kLooks; ++look) {
+    if (!(glm::determinant(slope_of_distortion(camera, tangents * (Real(look) / kLooks))) > 0)) return std::nullopt;
+  }
+  return tangents;
+}
+
 }  // namespace
 
 std::vector<SplatHit> ExactWorld::splats(const Vector& origin, const Vector& direction, Real share) const {
@@ -424,19 +450,9 @@ std::optional<Vector> ray_of_pixel(const SensorDesc& camera, Real x_px, Real y_p
     if (low > kFisheyeLimit_rad) return std::nullopt;
     return radius == 0 ? Vector(0, 0, 1) : Vector(target / radius * std::sin(low), std::cos(low));
   }
-  Vector2 tangents = target;
-  if (camera.lens == "brown_conrady") {
-    // Newton, from the place without a lens; differences over a step of 1e-6
-    // lead to the last digits in the end.
-    constexpr Real kStep = 1e-6L;
-    for (int i = 0; i < 30; ++i) {
-      const Vector2 here = distorted(camera, tangents);
-      const Vector2 along_x = (distorted(camera, tangents + Vector2(kStep, 0)) - here) / kStep,
-                    along_y = (distorted(camera, tangents + Vector2(0, kStep)) - here) / kStep;
-      tangents += glm::inverse(glm::mat<2, 2, Real>(along_x, along_y)) * (target - here);
-    }
-  }
-  return glm::normalize(Vector(tangents, 1));
+  const std::optional<Vector2> tangents =
+      camera.lens == "brown_conrady" ? undistorted(camera, target) : std::optional(target);
+  return tangents ? std::optional(glm::normalize(Vector(*tangents, 1))) : std::nullopt;
 }
 
 std::optional<Vector2> pixel_of_ray(const SensorDesc& camera, const Vector& ray) {
