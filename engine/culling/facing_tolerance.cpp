@@ -9,7 +9,7 @@ namespace {
 // Largest difference of the axes' lengths, and largest deviation from right angles, relative to the length.
 constexpr double kUneven = 1e-6;
 
-// The 6 of the derivation below, and what depth needs more.
+// How far 2 A / (s E) of a triangle must exceed 0: its winding needs 6, its depth 8. See below.
 constexpr double kThin = 8;
 
 }  // namespace

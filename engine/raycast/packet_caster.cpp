@@ -91,7 +91,8 @@ class ScatteredRays {
   std::array<Waiting, RayPacket::kSides> sides_;
 };
 
-// Whether the first kMinBundle rays lie so close together that a packet of them tests fewer boxes than single rays do.
+// Returns whether the first kMinBundle rays are close enough to each other for a packet. Rays that are far apart test
+// fewer boxes one by one.
 bool begins_bundle(std::span<const glm::dvec3> directions, std::span<const RayOrigin> origins) {
   constexpr std::size_t kMinBundle = 8;
   if (directions.size() < kMinBundle) return false;

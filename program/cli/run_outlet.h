@@ -22,7 +22,7 @@ class RunOutlet {
   virtual void finish() {}
   /// After an exception: keeps what is whole. What this throws is lost, since the first exception is the one to report.
   virtual void fail() {}
-  /// Whether it takes frames whose times are earlier than those of frames before, as after a reset.
+  /// Returns whether time may go back from one frame to the next. It does after a reset.
   virtual bool can_go_back() const { return false; }
   /// Whether it shows shapes and pictures that no sensor needs.
   virtual bool shows_all_content() const { return false; }

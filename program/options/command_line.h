@@ -20,7 +20,7 @@ struct ParsedOptions {
 /// `arguments` without the program's name. Throws InputError.
 ParsedOptions parse_options(std::vector<std::string> arguments);
 
-/// Whether other processes take part in a run of these options.
+/// Returns whether other processes take part in a run of these options.
 bool is_shared(const Options& options);
 
 /// Throws InputError if other processes took part in the run: what they did is not recorded, so the run can neither be

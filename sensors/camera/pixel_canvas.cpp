@@ -60,8 +60,9 @@ glm::dvec3 PixelCanvas::direction(int x, int y) const {
   return glm::normalize(glm::dvec3((centre.x - p.cx_px) / p.fx_px, (centre.y - p.cy_px) / p.fy_px, 1));
 }
 
-// Beyond the picture a lens has no view. Where its picture is seen along the optical axis alone, so is this, as far as
-// it can be; elsewhere the faces of a cube, which a wide lens takes, stand for it.
+// A lens has no view of what lies beyond the picture. If all views of the picture look along the optical axis, so does
+// that of what lies beyond, as far as it is before the camera. Otherwise the faces of a cube stand for it, as the views
+// of a wide lens do.
 double PixelCanvas::near_range_m(int x, int y, const glm::dvec3& direction) const {
   if (layout_.rays.empty() || (is_flat_ && direction.z > 0)) return near_m_ / direction.z;
   if (picture().has(x, y)) {

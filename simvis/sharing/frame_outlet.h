@@ -26,7 +26,7 @@ class FrameOutlet {
   virtual void check(const BuiltScene& /*scene*/) const {}
   /// Throws if the outlet cannot go on.
   virtual void frame(const Frame& frame) = 0;
-  /// The frames end before the last one that was wanted: no warning says what they lacked and a later one could have.
+  /// No frame follows, although more were wanted. The outlet then does not warn of what a later frame could have had.
   virtual void end_early() {}
   /// Warnings since the last call.
   virtual std::vector<std::string> take_warnings() { return {}; }

@@ -372,8 +372,8 @@ bool SceneEntities::stands(const Command& made) {
   return made.kind == CommandKind::element ? has_element(name) : has_sensor(name);
 }
 
-// The last one first, because commands refer to what stands before them. In one request they may also refer to sensors
-// that follow, so what can't be removed yet is tried again.
+// Removes the last one first, because commands refer to what stands before them. In one request they may also refer to
+// sensors that follow, so what can't be removed yet is tried again.
 void SceneEntities::remove_made_by(std::span<const std::size_t> commands) {
   std::vector<Command> left;
   for (auto each = commands.rbegin(); each != commands.rend(); ++each) {

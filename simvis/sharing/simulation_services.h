@@ -50,8 +50,8 @@ class SimulationServices {
   SIMVIS_PROGRAM_API void end_steps(const std::string& why);
   /// The run makes no frame more: changes are refused from now on.
   SIMVIS_PROGRAM_API void end();
-  /// Of any simulation, also one without services: its frames end before the last one that was wanted. A recording and
-  /// DDS then do not warn of patterns that no topic has matched, since a later frame could have had the topic.
+  /// Tells recordings and DDS that no frame follows, although more were wanted. They then do not warn of patterns that
+  /// no topic has matched, because a later frame could have had the topic. The simulation need not have services.
   SIMVIS_PROGRAM_API static void end_early(Simulation& simulation);
   /// Whether a client has changed the scene, so that an error of a step may be its own.
   SIMVIS_PROGRAM_API bool is_changed() const;

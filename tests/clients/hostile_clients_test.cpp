@@ -40,8 +40,8 @@ void kill_child(pid_t child) {
   ::waitpid(child, &status, 0);
 }
 
-/// Whether the host finds a killed client gone within a second. Its locks end with its memory, which a program that
-/// lists processes may hold a moment longer.
+/// Returns whether the host finds a killed client gone within a second. The kernel drops the client's locks with its
+/// memory, and a program that lists processes may hold that memory a moment longer.
 bool is_gone(const SharedHost& host, std::string_view client) {
   constexpr int kTries = 1000, kPause_us = 1000;
   for (int i = 0; i < kTries && host.is_connected(client); ++i) ::usleep(kPause_us);

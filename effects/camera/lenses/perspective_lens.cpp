@@ -154,7 +154,7 @@ class PerspectiveLens : public LensModel {
   double reach() const override { return radius_(fold_rad_); }
 
  private:
-  // Whether the lens has neither a tangential part nor a thin prism. A tilt does not matter here.
+  // Returns whether the distortion before the tilt depends on the radius alone.
   bool is_round() const {
     return std::ranges::all_of(std::array{kP1, kP2, kS1, kS2, kS3, kS4}, [&](std::size_t i) { return k_[i] == 0; });
   }
