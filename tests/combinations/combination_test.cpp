@@ -157,6 +157,32 @@ TEST_CASE("places at the fold of a lens with a tangential part do not count") {
   check_geometry(scene, measured);
 }
 
+TEST_CASE("beside the image of a narrow lens, boxes leave out what is nearer along the optical axis than `near`") {
+  // Parallel to the axis and farther than `near` beside it: only the part beyond `near` ahead counts.
+  const TemporaryFolder folder;
+  CombinedScene scene;
+  Body board;
+  board.offset = {{3.25, 2.25, 0, 0, 0, 0}};
+  board.size_m = {5.5, 0.1, 1};
+  board.has_class = true;
+  scene.bodies = {board};
+  SensorDesc camera;
+  camera.kind = SensorKind::camera;
+  camera.width_px = 16;
+  camera.height_px = 12;
+  camera.hfov_deg = 70;
+  camera.near_m = 2;
+  camera.lens = "brown_conrady";
+  camera.lens_k = {-0.01};
+  camera.outputs = "depth instance boxes";
+  scene.sensors = {camera};
+  const Measured measured = measure(scene, folder.path());
+  const Measurement& first = measured.frames[0][0];
+  REQUIRE(first.find("full_pixels")->count() == 1);
+  CHECK(first.find("full_pixels")->number(0) > first.find("picture_pixels")->number(0));
+  check_geometry(scene, measured);
+}
+
 /// Changes what was measured before it is checked.
 using Fault = std::function<void(Measured&)>;
 
