@@ -15,11 +15,17 @@ constexpr double kNoArea = 1e-15;
 // and as much again for the plane through three such corners. u = 2^-53.
 constexpr double kCornerRounding = 36 * 0x1p-53;
 constexpr double kHalf = 0.5;
+constexpr std::size_t kFacesPerLeaf = 8;
 
 // A place is inside of a line if dot(line, (x, y, 1)) is at least 0.
 double side(const glm::dvec3& line, const glm::dvec2& place) { return line.x * place.x + line.y * place.y + line.z; }
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+// Whether two bounds have more than a border in common.
+bool overlap(const auto& a, const auto& b) {
+  return a.low.x < b.high.x && a.low.y < b.high.y && a.high.x > b.low.x && a.high.y > b.low.y;
+}
 
 // The line through two corners of a polygon that runs counter-clockwise; inside is to its left.
 glm::dvec3 line_through(const glm::dvec2& from, const glm::dvec2& to) {
@@ -98,12 +104,31 @@ void VisibleFaces::add(std::uint32_t triangle, const std::array<glm::dvec3, 3>& 
   faces_.push_back(face);
 }
 
-// The part of a polygon inside of a line, as new points.
+// The part of a polygon inside of a line.
 VisibleFaces::Polygon VisibleFaces::cut(const Polygon& polygon, const glm::dvec3& line) {
+  return place(polygon, line) == Place::inside ? polygon : kept_part(polygon, 1);
+}
+
+// Sets sides_ to those of the corners.
+VisibleFaces::Place VisibleFaces::place(const Polygon& polygon, const glm::dvec3& line) {
+  sides_.resize(polygon.count);
+  double least = INFINITY, most = -INFINITY;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    sides_[i] = side(line, points_[polygon.first + i]);
+    least = std::min(least, sides_[i]);
+    most = std::max(most, sides_[i]);
+  }
+  if (least >= 0) return Place::inside;
+  return most <= 0 ? Place::outside : Place::across;
+}
+
+// The part of the polygon of place() whose sides have this sign, as new points.
+VisibleFaces::Polygon VisibleFaces::kept_part(const Polygon& polygon, double sign) {
   Polygon kept{points_.size(), 0};
   for (std::size_t i = 0; i < polygon.count; ++i) {
-    const glm::dvec2 a = points_[polygon.first + i], b = points_[polygon.first + (i + 1) % polygon.count];
-    const double at_a = side(line, a), at_b = side(line, b);
+    const std::size_t next = i + 1 < polygon.count ? i + 1 : 0;
+    const glm::dvec2 a = points_[polygon.first + i], b = points_[polygon.first + next];
+    const double at_a = sign * sides_[i], at_b = sign * sides_[next];
     if (at_a >= 0) points_.push_back(a);
     if ((at_a >= 0) != (at_b >= 0)) points_.push_back(a + at_a / (at_a - at_b) * (b - a));
   }
@@ -162,32 +187,35 @@ bool VisibleFaces::hides(const Face& face, const Face& other, std::size_t order,
   return hidden.count >= 3;
 }
 
-// A piece beside the hidden part stays as it is: lines through all of them would cut it into ever more.
 void VisibleFaces::subtract(const Polygon& hidden) {
   const Piece bounds = piece_of(hidden);
+  if (std::ranges::none_of(pieces_, [&](const Piece& piece) { return overlap(piece, bounds); })) return;
   next_pieces_.clear();
   for (const Piece& whole : pieces_) {
-    if (whole.low.x >= bounds.high.x || whole.low.y >= bounds.high.y || whole.high.x <= bounds.low.x ||
-        whole.high.y <= bounds.low.y) {
-      next_pieces_.push_back(whole);
-      continue;
-    }
-    Polygon piece = whole.polygon;
     const std::size_t pieces_before = next_pieces_.size(), points_before = points_.size();
-    for (std::size_t i = 0; i < hidden.count && piece.count >= 3; ++i) {
-      const glm::dvec3 line = line_through(points_[hidden.first + i], points_[hidden.first + (i + 1) % hidden.count]);
-      if (line.x == 0 && line.y == 0) continue;
-      const Polygon outside = cut(piece, -line);
-      if (outside.count >= 3 && measure(outside).area > kNoArea) next_pieces_.push_back(piece_of(outside));
-      piece = cut(piece, line);
-    }
-    if (piece.count < 3 || measure(piece).area <= kNoArea) {
-      next_pieces_.resize(pieces_before);
-      points_.resize(points_before);
-      next_pieces_.push_back(whole);
-    }
+    if (overlap(whole, bounds) && subtract(hidden, whole)) continue;
+    next_pieces_.resize(pieces_before);
+    points_.resize(points_before);
+    next_pieces_.push_back(whole);
   }
   std::swap(pieces_, next_pieces_);
+}
+
+// Appends what is left of a piece to next_pieces_. Returns false if nothing of it is hidden: it then stays as it is,
+// since lines through all pieces would cut them into ever more.
+bool VisibleFaces::subtract(const Polygon& hidden, const Piece& whole) {
+  Polygon piece = whole.polygon;
+  for (std::size_t i = 0; i < hidden.count; ++i) {
+    const glm::dvec3 line = line_through(points_[hidden.first + i], points_[hidden.first + (i + 1) % hidden.count]);
+    if (line.x == 0 && line.y == 0) continue;
+    const Place at = place(piece, line);
+    if (at == Place::outside) return false;
+    if (at == Place::inside) continue;
+    const Polygon outside = kept_part(piece, -1);
+    if (outside.count >= 3 && measure(outside).area > kNoArea) next_pieces_.push_back(piece_of(outside));
+    piece = kept_part(piece, 1);
+  }
+  return piece.count >= 3 && measure(piece).area > kNoArea;
 }
 
 VisibleFaces::Piece VisibleFaces::piece_of(const Polygon& polygon) const {
@@ -211,23 +239,47 @@ VisibleFaces::Part VisibleFaces::measure(const Polygon& polygon) const {
   return part;
 }
 
-void VisibleFaces::sort_by_columns() {
-  by_column_.resize(faces_.size());
-  std::iota(by_column_.begin(), by_column_.end(), std::size_t{0});
-  std::ranges::sort(by_column_, {}, [&](std::size_t i) { return std::pair(faces_[i].low.x, i); });
-  widest_ = 0;
-  for (const Face& face : faces_) widest_ = std::max(widest_, face.high.x - face.low.x);
+// Appends a tree over the bounds of these faces of in_tree_: nodes come before their children.
+void VisibleFaces::add_node(std::size_t first, std::size_t end) {
+  const std::size_t node = nodes_.size();
+  nodes_.push_back({.low = glm::dvec2(INFINITY), .high = glm::dvec2(-INFINITY), .first = first, .end = end});
+  glm::dvec2 least_centre(INFINITY), most_centre(-INFINITY);
+  for (std::size_t i = first; i < end; ++i) {
+    const Face& face = faces_[in_tree_[i]];
+    nodes_[node].low = glm::min(nodes_[node].low, face.low);
+    nodes_[node].high = glm::max(nodes_[node].high, face.high);
+    least_centre = glm::min(least_centre, face.low + face.high);
+    most_centre = glm::max(most_centre, face.low + face.high);
+  }
+  if (end - first > kFacesPerLeaf) {
+    const glm::dvec2 spread = most_centre - least_centre;
+    const glm::length_t axis = spread.x > spread.y ? 0 : 1;
+    const std::size_t middle = first + (end - first) / 2;
+    const auto at = [&](std::size_t i) { return in_tree_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(first), at(middle), at(end), [&](std::size_t a, std::size_t b) {
+      return faces_[a].low[axis] + faces_[a].high[axis] < faces_[b].low[axis] + faces_[b].high[axis];
+    });
+    add_node(first, middle);
+    add_node(middle, end);
+  }
+  nodes_[node].after = nodes_.size();
 }
 
-// Those whose bounds overlap, in the order of add(): others hide nothing of the face. A square may hold thousands of
-// the small triangles of a round shape.
+// Those whose bounds overlap, in the order of add(): others hide nothing of the face. A square may hold hundreds of
+// thousands of small triangles.
 void VisibleFaces::find_neighbours(const Face& face) {
   neighbours_.clear();
-  const auto left = [&](std::size_t i) { return faces_[i].low.x; };
-  for (auto k = std::ranges::lower_bound(by_column_, face.low.x - widest_ - kNoArea, {}, left);
-       k != by_column_.end() && left(*k) < face.high.x; ++k) {
-    const Face& other = faces_[*k];
-    if (other.high.x > face.low.x && other.high.y > face.low.y && other.low.y < face.high.y) neighbours_.push_back(*k);
+  for (std::size_t i = 0; i < nodes_.size();) {
+    const Node& node = nodes_[i];
+    if (!overlap(node, face)) {
+      i = node.after;
+      continue;
+    }
+    ++i;
+    if (node.end - node.first > kFacesPerLeaf) continue;
+    for (std::size_t k = node.first; k < node.end; ++k) {
+      if (overlap(faces_[in_tree_[k]], face)) neighbours_.push_back(in_tree_[k]);
+    }
   }
   std::ranges::sort(neighbours_);
 }
@@ -240,7 +292,10 @@ const std::vector<VisibleFace>& VisibleFaces::find() {
     if (surely > covered && measure(face.polygon).area >= 1 - kNoArea) covered = surely;
   }
   std::erase_if(faces_, [&](const Face& face) { return face.nearest + face.rounding < covered; });
-  sort_by_columns();
+  nodes_.clear();
+  in_tree_.resize(faces_.size());
+  std::iota(in_tree_.begin(), in_tree_.end(), std::size_t{0});
+  add_node(0, faces_.size());
   visible_.clear();
   const std::size_t kept_points = points_.size();
   for (std::size_t i = 0; i < faces_.size(); ++i) {

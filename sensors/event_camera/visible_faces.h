@@ -59,6 +59,10 @@ class VisibleFaces {
     double area = 0;
     glm::dvec2 moment{0};
   };
+  /// Where a polygon is, seen from a line.
+  enum class Place { inside, outside, across };
+  Place place(const Polygon& polygon, const glm::dvec3& line);
+  Polygon kept_part(const Polygon& polygon, double sign);
   Polygon cut(const Polygon& polygon, const glm::dvec3& line);
   /// How much larger the inverse depth of `other` is than that of the face in the corners of a polygon.
   struct Lead {
@@ -68,7 +72,14 @@ class VisibleFaces {
   bool is_beside(const Polygon& polygon, const Polygon& other) const;
   bool hides(const Face& face, const Face& other, std::size_t order, std::size_t other_order, Polygon& hidden);
   void subtract(const Polygon& hidden);
-  void sort_by_columns();
+  bool subtract(const Polygon& hidden, const Piece& whole);
+  /// Of the tree over the bounds of all faces.
+  struct Node {
+    glm::dvec2 low{0}, high{0};
+    std::size_t first = 0, end = 0;  // in in_tree_
+    std::size_t after = 0;           // the first node that is not below this one
+  };
+  void add_node(std::size_t first, std::size_t end);
   void find_neighbours(const Face& face);
   Part measure(const Polygon& polygon) const;
   Piece piece_of(const Polygon& polygon) const;
@@ -80,8 +91,9 @@ class VisibleFaces {
   std::vector<Face> faces_;
   std::vector<Piece> pieces_, next_pieces_;
   std::vector<VisibleFace> visible_;
-  std::vector<std::size_t> by_column_, neighbours_;  // faces: all by their left ends, those beside one
-  double widest_ = 0;                                // of all faces
+  std::vector<double> sides_;  // of the corners of the polygon of the last place()
+  std::vector<Node> nodes_;
+  std::vector<std::size_t> in_tree_, neighbours_;  // faces: all in the order of the tree, those beside one
 };
 
 }  // namespace simvis

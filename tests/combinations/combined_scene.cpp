@@ -149,8 +149,10 @@ constexpr std::string_view kMoreSensors = R"(
 <sensor type='imu' name='N0' insert_at='FRAME' rate='30'/>
 <sensor type='camera' name='N1' insert_at='FRAME' width='16' height='12' outputs='color depth normal' rate='15'/>
 <sensor type='laser_scanner' name='N2' insert_at='FRAME' samples='21' method='planar'/>
-<sensor type='event_camera' name='N3' insert_at='FRAME' width='8' height='6'/>
-<sensor type='sonar' name='N4' insert_at='FRAME' rays='32'/>
+<sensor type='sonar' name='N3' insert_at='FRAME' rays='32'/>
+)";
+constexpr std::string_view kEventCamera = R"(
+<sensor type='event_camera' name='N4' insert_at='FRAME' width='8' height='6'/>
 )";
 
 void write_triangles(const std::filesystem::path& file, const Body& body) {
@@ -363,8 +365,13 @@ void write_scene(const CombinedScene& scene, const std::filesystem::path& folder
     blocks.erase(blocks.begin() + static_cast<std::ptrdiff_t>(next));
   }
   if (writing.more_sensors) xml += kMoreSensors;
+  if (writing.more_sensors && !has_many_heights(scene)) xml += kEventCamera;
   write_text(folder / "scene.xml", xml + "</scene>\n");
   if (moves(scene)) write_trajectory(scene, folder / "trajectory.csv");
+}
+
+bool has_many_heights(const CombinedScene& scene) {
+  return std::ranges::any_of(scene.bodies, [](const Body& body) { return body.heights.columns == kManyHeights; });
 }
 
 CombinedScene related(const CombinedScene& scene) {

@@ -45,6 +45,8 @@ struct Heights {
   std::vector<std::uint16_t> codes{};
 };
 
+inline constexpr int kManyHeights = 514;  ///< rows and columns of a picture that is no mesh: see kMinGridCells
+
 /// A point of a cloud: the place, in floats, and the normal of a disc, of any length.
 struct CloudPoint {
   glm::dvec3 at_m{0}, normal{0, 0, 1};
@@ -136,6 +138,10 @@ struct Setting {
   double value = 0;
 };
 std::vector<Setting> settings_of(const CombinedScene& scene, std::size_t frame);
+
+/// Whether a body has kManyHeights. Where it moves, an event camera would have to look at hundreds of thousands of
+/// edges that come into one pixel.
+bool has_many_heights(const CombinedScene& scene);
 
 /// The scene after its relation: everything moved, twice as large, mirrored, or
 /// with each triangle in two. Other relations change nothing here.

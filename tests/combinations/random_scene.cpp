@@ -138,11 +138,10 @@ class SceneDraw {
 
   // Few heights have a tree, many are a grid of their own: see kMinGridCells.
   Heights random_heights(double size_m) {
-    constexpr int kMany = 514;
     Heights heights;
     const bool many = one_in(40);
-    heights.columns = many ? kMany : 2 + static_cast<int>(below(9));
-    heights.rows = many ? kMany : 2 + static_cast<int>(below(9));
+    heights.columns = many ? kManyHeights : 2 + static_cast<int>(below(9));
+    heights.rows = many ? kManyHeights : 2 + static_cast<int>(below(9));
     heights.low_m = between(-size_m, size_m);
     heights.high_m = heights.low_m + between(-size_m, size_m);
     const std::size_t rough = many ? 3000 : 65536;
@@ -204,8 +203,8 @@ class SceneDraw {
     }
     // An event camera sees how things have moved from frame to frame.
     const bool frames_differ = moving && scene.relation == Relation::own_rates;
-    if (sensor.kind == SensorKind::other)
-      sensor.other = kOtherSensors[below(std::size(kOtherSensors) - (frames_differ ? 1 : 0))];
+    const std::size_t others = std::size(kOtherSensors) - (frames_differ || has_many_heights(scene) ? 1 : 0);
+    if (sensor.kind == SensorKind::other) sensor.other = kOtherSensors[below(others)];
     if (sensor.kind == SensorKind::range) sensor.range_max_m = 30;
     scene.sensors.push_back(std::move(sensor));
   }

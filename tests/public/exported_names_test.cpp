@@ -48,6 +48,7 @@ const std::set<std::string> kProgramNames = {
     "ResultLock::ResultLock",
     "SimulationServices::SimulationServices",
     "SimulationServices::end",
+    "SimulationServices::end_early",
     "SimulationServices::end_steps",
     "SimulationServices::follow_frame",
     "SimulationServices::is_changed",
