@@ -256,6 +256,52 @@ TEST_CASE("walls fill tiles up to their edges, less the largest displacement of 
   CHECK_FALSE(hides(-1, 5));
 }
 
+TEST_CASE("a wall whose corners rounding may move along the axis hides only what is behind all places of it") {
+  View view;  // so few pixels that a displacement along the axis counts more than one across
+  view.pinhole = {10, 10, 8, 6};
+  view.width_px = 16;
+  view.height_px = 12;
+  OcclusionCuller hidden;
+  hidden.begin(view, kPixelSnap_px);
+  constexpr double kWall_m = 4, kSlack_m = 0.02;
+  hidden.add(extract_occluders(rectangle(30, 30, true)), glm::translate(glm::dmat4(1.0), {15, 0, kWall_m}), kSlack_m,
+             true, false);
+  REQUIRE(hidden.any());
+  const auto hides = [&](double nearest_m) {
+    return std::isfinite(hidden.min_seen_m2({5, 10, 3, 8, nearest_m, nearest_m + 0.1}, 0));
+  };
+  CHECK_FALSE(hides(kWall_m + 0.9 * kSlack_m));
+  // Two of kRounding, and the slack to first order in slack / z.
+  CHECK(hides(kWall_m * (1 + 2 * kRounding) + 1.1 * kSlack_m));
+}
+
+TEST_CASE("a wall of two triangles that are not quite in one plane hides only what is behind both") {
+  View view = picture().passes[0].views[0];
+  view.pinhole.fx_px = view.pinhole.fy_px = 40;  // a wide view of a long wall, whose corner may be off by more
+  constexpr double kWall_m = 4, kHalfWidth_m = 14, kHalfHeight_m = 10;
+  constexpr double kOff_m = 0.95e-4 * 2 * kHalfWidth_m;  // beyond 1e-4 of a side, the triangles are two occluders
+  for (std::size_t bent = 0; bent < 4; ++bent) {
+    CAPTURE(bent);
+    Mesh wall = rectangle(kHalfWidth_m, kHalfHeight_m, true);
+    const glm::vec3 corner = wall.positions[bent];
+    wall.positions[bent].z = static_cast<float>(kOff_m);
+    const std::vector<Occluder> occluders = extract_occluders(wall);
+    REQUIRE(occluders.size() == 1);
+    REQUIRE(occluders[0].count == 4);
+    OcclusionCuller hidden;
+    hidden.begin(view, kPixelSnap_px);
+    hidden.add(occluders, glm::translate(glm::dmat4(1.0), {0, 0, kWall_m}), 0, true, false);
+    // Beside the corner, by 2.5 % of the wall's width and height: the wall is off by 95 % there.
+    const double u = 160 + 0.95 * kHalfWidth_m * 10 * (corner.x < 0 ? -1 : 1),
+                 v = 120 + 0.95 * kHalfHeight_m * 10 * (corner.y < 0 ? -1 : 1);
+    const auto hides = [&](double nearest_m) {
+      return std::isfinite(hidden.min_seen_m2({u - 0.5, u + 0.5, v - 0.5, v + 0.5, nearest_m, nearest_m + 0.1}, 0));
+    };
+    CHECK_FALSE(hides(kWall_m + 0.9 * kOff_m));
+    CHECK(hides(kWall_m * (1 + 2 * kRounding) + 2 * kOff_m));
+  }
+}
+
 TEST_CASE("the middle of a box is hidden if a wall is before it, and of a box that lies nowhere it is not") {
   const View view = picture().passes[0].views[0];
   OcclusionCuller hidden;

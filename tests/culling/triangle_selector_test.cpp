@@ -133,6 +133,17 @@ TEST_CASE("a triangle behind a wall is not selected if its mesh is partly hidden
   CHECK(selected(selector, behind(3)) == 1);
   selector.place(glm::dmat4(1.0), 1.1, false, false, true);  // displaced as far as the wall
   CHECK(selected(selector, behind(3)) == 1);
+  // Displaced along the axis. The rounding of each depth is 1e-4 of it, 0.4 mm together: nearer than slack + 0.4 mm
+  // behind the wall it may be visible.
+  constexpr double kSlack_m = 5e-4, kBehind_m = 7.5e-4;
+  const auto large = [&](double z_m) {
+    return std::vector{at_px(100, 50, z_m), at_px(180, 50, z_m), at_px(101, 130, z_m)};
+  };
+  selector.place(glm::dmat4(1.0), 0, false, false, true);
+  CHECK(selected(selector, large(kWall_m + kBehind_m)) == 0);
+  selector.place(glm::dmat4(1.0), kSlack_m, false, false, true);
+  CHECK(selected(selector, large(kWall_m + kBehind_m)) == 1);
+  CHECK(selected(selector, large(kWall_m + 10 * kSlack_m)) == 0);
   selector.place(glm::scale(glm::dmat4(1.0), {-1, 1, 1}), 0, false, true, true);
   std::vector<glm::vec3> mirrored = behind(3);
   for (glm::vec3& corner : mirrored) corner.x = -corner.x;
