@@ -110,6 +110,16 @@ std::size_t CameraMoment::rows_at(double y_px) const {
   return behind == rows.begin() ? 0 : static_cast<std::size_t>(behind - rows.begin()) - 1;
 }
 
+bool RowSearch::next(double y_px) {
+  const std::size_t wanted = moment_.rows_at(y_px);
+  is_met_ = wanted == rows_;
+  if (is_met_) return false;
+  (wanted > rows_ ? first_ : end_) = wanted > rows_ ? rows_ + 1 : rows_;
+  if (first_ == end_) return false;
+  rows_ = std::clamp(wanted, first_, end_ - 1);
+  return true;
+}
+
 void PosedRows::archive(StateArchive& state) {
   state(first, count);
   state.finite(world_from_view, share);

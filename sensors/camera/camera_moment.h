@@ -73,6 +73,26 @@ struct CameraMoment {
   void archive(StateArchive& state, const std::shared_ptr<const KeptScene>& known);
 };
 
+/// Searches the rows at whose height a point is when they are taken. They lie between rows before which the point is
+/// lower than they are, and rows behind which it is higher.
+class RowSearch {
+ public:
+  /// Begins with rows of the moment, which must outlive the search.
+  RowSearch(const CameraMoment& moment, std::size_t rows) : moment_(moment), rows_(rows), end_(moment.rows.size()) {}
+
+  /// In CameraMoment::rows.
+  std::size_t rows() const { return rows_; }
+  /// Takes the height of the point when rows() are taken. Returns whether others must be tried.
+  bool next(double y_px);
+  /// Whether the last height was that of rows(). Otherwise the point passes between them and the rows beside them.
+  bool is_met() const { return is_met_; }
+
+ private:
+  const CameraMoment& moment_;
+  std::size_t rows_, first_ = 0, end_;
+  bool is_met_ = false;
+};
+
 /// The moment of a sensor's frame and of the one before, in which it was due.
 class MomentHistory {
  public:

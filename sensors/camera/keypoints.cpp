@@ -137,12 +137,11 @@ CameraMoment Keypoints::moment() const {
   return moment;
 }
 
-// From the last rows to those at whose height the point is when they are exposed, as PointFlow::follow().
 Keypoints::Row Keypoints::find(const SensedPoint& point, const CameraMoment& moment, std::size_t& rows) const {
   Row row;
-  rows = moment.rows.size() - 1;
-  std::size_t left = ~std::size_t{0};
-  for (std::size_t step = 0; step <= moment.rows.size(); ++step) {
+  RowSearch search(moment, moment.rows.size() - 1);
+  do {
+    rows = search.rows();
     const PosedRows& posed = moment.rows[rows];
     const glm::dmat4 place = point.path != nullptr && posed.share != 0
                                  ? place_at(*point.path, posed.share, point.world_from_point)
@@ -150,15 +149,9 @@ Keypoints::Row Keypoints::find(const SensedPoint& point, const CameraMoment& mom
     row.place_m = glm::dvec3(rigid_inverse(posed.world_from_view) * place[3]);
     row.pixel = row.place_m == glm::dvec3(0) ? std::nullopt : layout_.pixel(row.place_m);
     if (!row.pixel) return row;
-    const std::size_t wanted = moment.rows_at(row.pixel->y);
-    if (wanted == rows) {
-      row.in_picture =
-          row.pixel->x >= 0 && row.pixel->y >= 0 && row.pixel->x < layout_.width_px && row.pixel->y < layout_.height_px;
-      return row;
-    }
-    if (wanted == left) return row;
-    left = std::exchange(rows, wanted);
-  }
+  } while (search.next(row.pixel->y));
+  row.in_picture = search.is_met() && row.pixel->x >= 0 && row.pixel->y >= 0 && row.pixel->x < layout_.width_px &&
+                   row.pixel->y < layout_.height_px;
   return row;
 }
 

@@ -61,19 +61,14 @@ FollowedPoint PointFlow::follow(const ImagePoint& point) {
     followed.item = other_[point.item];
     followed.exists = followed.item != kNoItem;
   }
-  // From rows to those in which they see the point. Where it crosses between two of them, no row meets it.
-  std::size_t to_rows = point.rows, left = ~std::size_t{0};
-  for (std::size_t step = 0; step <= to_.rows.size(); ++step) {
-    followed.rows = to_rows;
-    followed.point = in_rows(point, to_rows);
+  RowSearch search(to_, point.rows);
+  do {
+    followed.rows = search.rows();
+    followed.point = in_rows(point, followed.rows);
     followed.pixel = layout_.pixel(glm::dvec3(followed.point));
     if (!followed.pixel) return followed;
-    const std::size_t wanted = to_.rows_at(followed.pixel->y);
-    followed.in_rows = wanted == to_rows;
-    if (followed.in_rows || wanted == left) return followed;
-    left = to_rows;
-    to_rows = wanted;
-  }
+  } while (search.next(followed.pixel->y));
+  followed.in_rows = search.is_met();
   return followed;
 }
 

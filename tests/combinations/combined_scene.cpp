@@ -105,16 +105,9 @@ std::string scanner_xml(const SensorDesc& scanner) {
   return xml;
 }
 
-std::string camera_xml(const SensorDesc& camera, bool more_outputs) {
-  std::string outputs = camera.outputs;
-  for (const char* const output :
-       {"color", "range", "instance", "semantic", "shape", "object_coordinates", "depth_error_bound"}) {
-    const bool has = (" " + outputs + " ").find(" " + std::string(output) + " ") != std::string::npos;
-    if (more_outputs && !has) outputs += std::string(" ") + output;
-  }
+std::string image_xml(const SensorDesc& camera) {
   std::string xml = attribute("width", camera.width_px) + attribute("height", camera.height_px) +
-                    attribute("hfov", camera.hfov_deg) + attribute("near", camera.near_m) +
-                    attribute("outputs", outputs) + attribute("layer", camera.layer);
+                    attribute("hfov", camera.hfov_deg) + attribute("near", camera.near_m);
   if (camera.lens != "none") {
     const std::string_view names[] = {"k1", "k2", "k3", camera.lens == "kannala_brandt" ? "k4" : "p1", "p2"};
     xml += attribute("distortion", camera.lens);
@@ -122,13 +115,28 @@ std::string camera_xml(const SensorDesc& camera, bool more_outputs) {
       if (camera.lens_k[i] != 0) xml += attribute(names[i], camera.lens_k[i]);
     }
   }
-  if (camera.kind == SensorKind::stereo_camera) xml += attribute("baseline", camera.baseline_m);
   if (camera.row_time_s > 0) xml += attribute("row_time", camera.row_time_s) + attribute("rows_per_pose", 1);
   return xml;
 }
 
+std::string camera_xml(const SensorDesc& camera, bool more_outputs) {
+  std::string outputs = camera.outputs;
+  const auto has = [&](const std::string& output) {
+    return (" " + outputs + " ").find(" " + output + " ") != std::string::npos;
+  };
+  const auto add = [&](const std::string& output) {
+    if (more_outputs && !has(output)) outputs += " " + output;
+  };
+  for (const char* const output : {"color", "range", "instance", "semantic", "shape", "depth_error_bound"}) add(output);
+  // It casts round shapes, as flow does.
+  if (outputs.find("flow") != std::string::npos || camera.lens != "none" || has("normal")) add("object_coordinates");
+  std::string xml = image_xml(camera) + attribute("outputs", outputs) + attribute("layer", camera.layer);
+  if (camera.kind == SensorKind::stereo_camera) xml += attribute("baseline", camera.baseline_m);
+  return xml;
+}
+
 std::string sensor_xml(const SensorDesc& sensor, int index, const Writing& writing) {
-  constexpr std::string_view kTypes[] = {"laser_scanner", "camera", "stereo_camera", "range"};
+  constexpr std::string_view kTypes[] = {"laser_scanner", "camera", "stereo_camera", "range", "keypoints"};
   const bool other = sensor.kind == SensorKind::other;
   const std::string type =
       other ? ' ' + sensor.other : attribute("type", std::string(kTypes[static_cast<std::size_t>(sensor.kind)]));
@@ -141,6 +149,9 @@ std::string sensor_xml(const SensorDesc& sensor, int index, const Writing& writi
     xml += camera_xml(sensor, writing.more_outputs);
   if (sensor.kind == SensorKind::range) {
     xml += attribute("range_min", sensor.range_min_m) + attribute("range_max", sensor.range_max_m);
+  }
+  if (sensor.kind == SensorKind::keypoints) {
+    xml += image_xml(sensor) + attribute("points", "B*") + attribute("radius", sensor.radius_m);
   }
   return xml + "/>\n";
 }
@@ -293,6 +304,7 @@ void enlarge(CombinedScene& scene) {
     sensor.range_max_m *= 2;
     sensor.near_m *= 2;
     sensor.baseline_m *= 2;
+    sensor.radius_m *= 2;
   }
 }
 

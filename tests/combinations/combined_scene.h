@@ -80,7 +80,7 @@ struct Body {
 
 /// Of `other` sensors nothing is compared with geometry: what a scene is
 /// compared with changes none of their bytes.
-enum class SensorKind : std::uint8_t { scanner, camera, stereo_camera, range, other };
+enum class SensorKind : std::uint8_t { scanner, camera, stereo_camera, range, keypoints, other };
 
 /// A sensor C<i>. Angles are degrees.
 struct SensorDesc {
@@ -103,7 +103,8 @@ struct SensorDesc {
   double row_time_s = 0;
   double baseline_m = 0.12;
   std::string layer = "visible";
-  std::string other{};  ///< attributes of another sensor, with its type
+  double radius_m = 0.01;  ///< of the points of keypoints, which are the frames of all bodies
+  std::string other{};     ///< attributes of another sensor, with its type
 };
 
 /// What a scene is compared with, besides the oracle.

@@ -113,6 +113,9 @@ std::vector<Failure> compare_with_geometry(const CombinedScene& scene, const Mea
         case SensorKind::stereo_camera:
           compare_pixels(comparison);
           break;
+        case SensorKind::keypoints:
+          compare_keypoints(comparison);
+          break;
         case SensorKind::other:
           break;
       }

@@ -110,5 +110,6 @@ struct Comparison {
 
 void compare_beams(const Comparison& comparison);
 void compare_pixels(const Comparison& comparison);
+void compare_keypoints(const Comparison& comparison);
 
 }  // namespace simvis::combined

@@ -21,20 +21,17 @@ bool is_before_fold(const SensorDesc& desc, Real tangent) {
   return true;
 }
 
-// The place of a direction of the optical frame. Where a lens ends, its model does not define one.
-void place(const SensorDesc& desc, const Vector& view, FollowedPoint& point) {
-  point.at_px = pixel_of_ray(desc, view);
-  point.is_defined = view.z >= Real(0.2L) * glm::length(view);
-  if (!point.is_defined || desc.lens != "brown_conrady") return;
-  point.is_defined = is_before_fold(desc, std::hypot(view.x, view.y) / view.z);
-}
-
 Frame motion(const ExactWorld& world, const ExactHit& hit, Real from, Real to) {
   const auto body = static_cast<std::size_t>(hit.body);
   return world.body(body, to) * inverse(world.body(body, from));
 }
 
 }  // namespace
+
+bool shows(const SensorDesc& desc, const Vector& view) {
+  if (view.z < Real(0.2L) * glm::length(view)) return false;
+  return desc.lens != "brown_conrady" || is_before_fold(desc, std::hypot(view.x, view.y) / view.z);
+}
 
 FollowedPoint follow(const ViewRays& rays, const PixelRay& pixel, Real range_m, Real from, Real to) {
   const ExactWorld& world = rays.with().world;
@@ -48,7 +45,9 @@ FollowedPoint follow(const ViewRays& rays, const PixelRay& pixel, Real range_m, 
     point.to = moved.turn * point.from + moved.at;
     towards = point.to - other.at;
   }
-  place(rays.with().desc(), ViewRays::optical_of_sensor(glm::transpose(other.turn) * towards), point);
+  const Vector view = ViewRays::optical_of_sensor(glm::transpose(other.turn) * towards);
+  point.at_px = pixel_of_ray(rays.with().desc(), view);
+  point.is_defined = shows(rays.with().desc(), view);
   return point;
 }
 

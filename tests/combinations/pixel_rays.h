@@ -56,6 +56,9 @@ class ViewRays {
 /// The largest difference of places that snapping causes.
 inline constexpr Real kSnapping_px = 0.5L / 256 * 1.41421356237309505L * 1.1L;
 
+/// Whether the model of a lens says where it shows a direction of the optical frame: it does not beyond its end.
+bool shows(const SensorDesc& desc, const Vector& view);
+
 /// Where a point of a pixel is in another frame.
 struct FollowedPoint {
   Vector from{0}, to{0};                     ///< of the point, in the world; of the sky, directions

@@ -23,7 +23,6 @@ const char* const kOtherSensors[] = {"type='sonar' rays='64'",
                                      "type='rgbd_camera' width='16' height='12' outputs='color depth'",
                                      "type='tof_camera' width='16' height='12'",
                                      "type='thermal_camera' width='16' height='12'",
-                                     "type='keypoints' width='32' height='24' points='B*'",
                                      "type='imu' gyroscope_stddev='0.01'",
                                      "type='gnss' horizontal_stddev='1'",
                                      "type='odometry' kind='wheel' wheel_separation='0.4' slip_stddev='0.05'",
@@ -191,8 +190,9 @@ class SceneDraw {
   void add_sensor(CombinedScene& scene, bool moving) {
     SensorDesc sensor;
     if (one_in(2)) sensor.parent = static_cast<int>(below(scene.bodies.size()));
-    sensor.kind = one_of<SensorKind>({SensorKind::scanner, SensorKind::scanner, SensorKind::camera, SensorKind::camera,
-                                      SensorKind::stereo_camera, SensorKind::range, SensorKind::other});
+    sensor.kind =
+        one_of<SensorKind>({SensorKind::scanner, SensorKind::scanner, SensorKind::camera, SensorKind::camera,
+                            SensorKind::stereo_camera, SensorKind::range, SensorKind::keypoints, SensorKind::other});
     // It looks along x of FRAME, more or less.
     const Place look = place(0.2, 15);
     sensor.offset = place_in(scene, sensor.parent, look);
@@ -206,6 +206,11 @@ class SceneDraw {
     const std::size_t others = std::size(kOtherSensors) - (frames_differ || has_many_heights(scene) ? 1 : 0);
     if (sensor.kind == SensorKind::other) sensor.other = kOtherSensors[below(others)];
     if (sensor.kind == SensorKind::range) sensor.range_max_m = 30;
+    if (sensor.kind == SensorKind::keypoints) {
+      draw_image(sensor, moving);
+      if (one_in(2)) draw_lens(sensor);
+      if (one_in(2)) sensor.radius_m = between(0, 3);
+    }
     scene.sensors.push_back(std::move(sensor));
   }
 
@@ -235,11 +240,28 @@ class SceneDraw {
     if (one_in(4)) scanner.range_max_m = 6;
   }
 
-  void draw_camera(SensorDesc& camera, bool moving, bool has_cloud) {
+  void draw_image(SensorDesc& camera, bool moving) {
     camera.width_px = 8 + static_cast<int>(below(33));
     camera.height_px = 4 + static_cast<int>(below(static_cast<std::size_t>(camera.width_px)));
     camera.hfov_deg = between(20, 100);
     if (one_in(4)) camera.near_m = 2;
+    if (moving && one_in(2)) camera.row_time_s = 0.1 / camera.height_px * between(0.1, 1);
+  }
+
+  void draw_lens(SensorDesc& camera) {
+    if (one_in(2)) {
+      camera.lens = "brown_conrady";
+      camera.hfov_deg = between(20, 70);
+      camera.lens_k = {between(-0.1, 0.2), between(-0.02, 0.02), 0, between(-0.01, 0.01), between(-0.01, 0.01)};
+    } else {
+      camera.lens = "kannala_brandt";
+      if (one_in(2)) camera.hfov_deg = between(100, 150);  // rays beside and behind it
+      camera.lens_k = {between(-0.02, 0.02), between(-0.002, 0.002), 0, 0, 0};
+    }
+  }
+
+  void draw_camera(SensorDesc& camera, bool moving, bool has_cloud) {
+    draw_image(camera, moving);
     camera.outputs = one_in(4) ? "color depth" : "depth";
     if (camera.kind == SensorKind::stereo_camera) {
       camera.baseline_m = between(0.05, 0.3);
@@ -255,7 +277,6 @@ class SceneDraw {
       camera.height_px = std::min(camera.height_px, 12);
       camera.outputs += " boxes";
     }
-    if (moving && one_in(2)) camera.row_time_s = 0.1 / camera.height_px * between(0.1, 1);
     if (one_in(2)) {
       // Clouds are drawn as squares, and cast for all outputs but these.
       if (has_cloud) camera.outputs += " normal";
@@ -266,16 +287,9 @@ class SceneDraw {
     if (one_in(2)) camera.outputs += " layers";
     // Depth alone is interpolated between rendered pixels where a lens is,
     // without a bound.
-    const bool lens = one_in(2);
-    if (lens && camera.outputs.find("instance") == std::string::npos) camera.outputs += " instance";
-    if (lens && one_in(2)) {
-      camera.lens = "brown_conrady";
-      camera.hfov_deg = between(20, 70);
-      camera.lens_k = {between(-0.1, 0.2), between(-0.02, 0.02), 0, between(-0.01, 0.01), between(-0.01, 0.01)};
-    } else if (lens) {
-      camera.lens = "kannala_brandt";
-      if (one_in(2)) camera.hfov_deg = between(100, 150);  // rays beside and behind it
-      camera.lens_k = {between(-0.02, 0.02), between(-0.002, 0.002), 0, 0, 0};
+    if (one_in(2)) {
+      if (camera.outputs.find("instance") == std::string::npos) camera.outputs += " instance";
+      draw_lens(camera);
     }
     camera.layer = one_of<const char*>({"visible", "visible", "first", "first_opaque"});
   }

@@ -11,6 +11,7 @@
 
 #include <simvis/diagnostics.h>
 #include <simvis/simulation.h>
+#include "sensors/camera/camera_moment.h"
 #include "tests/support/error_of.h"
 
 TEST_SUITE_BEGIN("sensors");
@@ -254,6 +255,38 @@ TEST_CASE("a frame after a skipped one gives the bytes that it has after a measu
   const PointRow after_measured = last(false);
   CHECK(std::abs(after_measured.at("y_m")) > 0.1);
   CHECK(last(true) == after_measured);
+}
+
+// Points that go against the rows are at the heights of late rows early: from row to wanted row one would jump across
+// the row that meets them.
+TEST_CASE("the search for rows finds those that meet a point, or that none does") {
+  constexpr std::size_t kRows = 10;
+  CameraMoment moment{.time_ns = 0, .scene = nullptr, .rows = {}};
+  for (std::uint32_t row = 0; row < kRows; ++row) moment.rows.push_back({.first = row, .count = 1});
+  std::size_t met = 0, missed = 0;
+  for (double at_begin = -3; at_begin < 13; at_begin += 0.25) {
+    for (double rows_per_row = -3; rows_per_row < 0.9; rows_per_row += 0.125) {
+      // The heights of a point when the rows are taken: it is before them first and behind them later, once.
+      const auto height = [&](std::size_t row) { return at_begin + rows_per_row * static_cast<double>(row); };
+      std::vector<std::size_t> wanted;
+      for (std::size_t row = 0; row < kRows; ++row) {
+        if (std::clamp(std::floor(height(row)), 0.0, kRows - 1.0) == static_cast<double>(row)) wanted.push_back(row);
+      }
+      for (std::size_t begin = 0; begin < kRows; ++begin) {
+        CAPTURE(at_begin);
+        CAPTURE(rows_per_row);
+        CAPTURE(begin);
+        RowSearch search(moment, begin);
+        while (search.next(height(search.rows()))) {
+        }
+        CHECK(search.is_met() == !wanted.empty());
+        if (search.is_met()) CHECK(std::ranges::find(wanted, search.rows()) != wanted.end());
+        ++(search.is_met() ? met : missed);
+      }
+    }
+  }
+  CHECK(met > 1000);
+  CHECK(missed > 1000);
 }
 
 }  // namespace
