@@ -238,8 +238,13 @@ TEST_CASE(
       {"object coordinates", changed("object_coordinates", times(1 + 1e-4))},
       {"transmission of layers", changed("layer_transmission", times(0.999))},
       {"single beam", changed("range_m", times(1 + 1e-9))},
+      {"keypoints, x_px", changed("x_px", times(1 + 1e-9))},
+      {"keypoints, visible", changed("visible", [](double visible) { return 1 - visible; })},
+      {"motion, specific_force_x_m_s2", changed("specific_force_x_m_s2", times(1 + 1e-9))},
+      {"motion, velocity_y_m_s", changed("velocity_y_m_s", times(1 + 1e-9))},
+      {"motion, orientation", changed("qw", times(-1))},
   };
-  constexpr std::uint64_t kEnough = 60;
+  constexpr std::uint64_t kEnough = 200;
   std::set<std::size_t> missing;
   for (std::size_t i = 0; i < std::size(faults); ++i) missing.insert(i);
   const TemporaryFolder folder;

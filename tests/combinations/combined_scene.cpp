@@ -121,22 +121,21 @@ std::string image_xml(const SensorDesc& camera) {
 
 std::string camera_xml(const SensorDesc& camera, bool more_outputs) {
   std::string outputs = camera.outputs;
-  const auto has = [&](const std::string& output) {
-    return (" " + outputs + " ").find(" " + output + " ") != std::string::npos;
-  };
   const auto add = [&](const std::string& output) {
-    if (more_outputs && !has(output)) outputs += " " + output;
+    if (more_outputs && !has_word(outputs, output)) outputs += " " + output;
   };
   for (const char* const output : {"color", "range", "instance", "semantic", "shape", "depth_error_bound"}) add(output);
   // It casts round shapes, as flow does.
-  if (outputs.find("flow") != std::string::npos || camera.lens != "none" || has("normal")) add("object_coordinates");
+  if (outputs.find("flow") != std::string::npos || camera.lens != "none" || has_word(outputs, "normal"))
+    add("object_coordinates");
   std::string xml = image_xml(camera) + attribute("outputs", outputs) + attribute("layer", camera.layer);
   if (camera.kind == SensorKind::stereo_camera) xml += attribute("baseline", camera.baseline_m);
   return xml;
 }
 
 std::string sensor_xml(const SensorDesc& sensor, int index, const Writing& writing) {
-  constexpr std::string_view kTypes[] = {"laser_scanner", "camera", "stereo_camera", "range", "keypoints"};
+  constexpr std::string_view kTypes[] = {"laser_scanner", "camera", "stereo_camera", "range",
+                                         "keypoints",     "imu",    "odometry"};
   const bool other = sensor.kind == SensorKind::other;
   const std::string type =
       other ? ' ' + sensor.other : attribute("type", std::string(kTypes[static_cast<std::size_t>(sensor.kind)]));
@@ -150,6 +149,7 @@ std::string sensor_xml(const SensorDesc& sensor, int index, const Writing& writi
   if (sensor.kind == SensorKind::range) {
     xml += attribute("range_min", sensor.range_min_m) + attribute("range_max", sensor.range_max_m);
   }
+  if (sensor.kind == SensorKind::imu) xml += attribute("orientation", std::string("on"));
   if (sensor.kind == SensorKind::keypoints) {
     xml += image_xml(sensor) + attribute("points", "B*") + attribute("radius", sensor.radius_m);
   }
@@ -380,6 +380,10 @@ void write_scene(const CombinedScene& scene, const std::filesystem::path& folder
   if (writing.more_sensors && !has_many_heights(scene)) xml += kEventCamera;
   write_text(folder / "scene.xml", xml + "</scene>\n");
   if (moves(scene)) write_trajectory(scene, folder / "trajectory.csv");
+}
+
+bool has_word(const std::string& words, const std::string& word) {
+  return (" " + words + " ").find(" " + word + " ") != std::string::npos;
 }
 
 bool has_many_heights(const CombinedScene& scene) {

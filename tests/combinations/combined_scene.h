@@ -80,7 +80,7 @@ struct Body {
 
 /// Of `other` sensors nothing is compared with geometry: what a scene is
 /// compared with changes none of their bytes.
-enum class SensorKind : std::uint8_t { scanner, camera, stereo_camera, range, keypoints, other };
+enum class SensorKind : std::uint8_t { scanner, camera, stereo_camera, range, keypoints, imu, odometry, other };
 
 /// A sensor C<i>. Angles are degrees.
 struct SensorDesc {
@@ -106,6 +106,9 @@ struct SensorDesc {
   double radius_m = 0.01;  ///< of the points of keypoints, which are the frames of all bodies
   std::string other{};     ///< attributes of another sensor, with its type
 };
+
+/// Whether a list of words, such as outputs, has this one.
+bool has_word(const std::string& words, const std::string& word);
 
 /// What a scene is compared with, besides the oracle.
 enum class Relation : std::uint8_t { moved, doubled, mirrored, split, shuffled, company, own_rates };

@@ -23,10 +23,6 @@ bool has_triangles(const Body& body) { return body.kind == ShapeKind::triangles 
 
 }  // namespace
 
-bool has_word(const std::string& words, const std::string& word) {
-  return (" " + words + " ").find(" " + word + " ") != std::string::npos;
-}
-
 ExactHit first_of(const CombinedScene& scene, const std::vector<ExactHit>& hits, Seen seen, Real behind_m) {
   for (const ExactHit& hit : hits) {
     if (hit.range_m >= behind_m && sees(scene.bodies[static_cast<std::size_t>(hit.body)].opacity, seen)) return hit;
@@ -115,6 +111,10 @@ std::vector<Failure> compare_with_geometry(const CombinedScene& scene, const Mea
           break;
         case SensorKind::keypoints:
           compare_keypoints(comparison);
+          break;
+        case SensorKind::imu:
+        case SensorKind::odometry:
+          compare_motion(comparison);
           break;
         case SensorKind::other:
           break;

@@ -49,8 +49,6 @@ inline constexpr Real kDoubles = 128 * 0x1p-53L;
 inline constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
 inline constexpr Real kNone = std::numeric_limits<Real>::quiet_NaN();
 
-bool has_word(const std::string& words, const std::string& word);
-
 /// Which surfaces a sensor sees.
 enum class Seen : std::uint8_t { half, any, opaque };
 
@@ -111,5 +109,6 @@ struct Comparison {
 void compare_beams(const Comparison& comparison);
 void compare_pixels(const Comparison& comparison);
 void compare_keypoints(const Comparison& comparison);
+void compare_motion(const Comparison& comparison);
 
 }  // namespace simvis::combined

@@ -425,6 +425,12 @@ Vector ExactWorld::way_per_frame(std::size_t body, const Vector& point) const {
   return screw.angle * glm::cross(axis, from_axis) + screw.way * axis;
 }
 
+Vector ExactWorld::turn_per_frame(std::size_t body) const {
+  const Frame before = this->body(body, 0), now = this->body(body, 1);
+  const Twisting screw = screw_of(inverse(before) * now);
+  return screw.angle * (before.turn * screw.axis);
+}
+
 Real ExactWorld::pose_rounding_m(std::size_t sensor) const {
   Real largest = glm::length(this->sensor(sensor, 1).at);
   for (const Frame& each : places(1)) largest = std::max(largest, glm::length(each.at));

@@ -66,6 +66,8 @@ class ExactWorld {
   /// The velocity at a point of a body that stands where it is now, in the
   /// world, per frame.
   Vector way_per_frame(std::size_t body, const Vector& point) const;
+  /// The turn that leads from a body's pose in the frame before to that of now, as a vector of the world, in radians.
+  Vector turn_per_frame(std::size_t body) const;
   /// A bound on the error of products of poses in double, in metres: they round
   /// positions of this size.
   Real pose_rounding_m(std::size_t sensor) const;

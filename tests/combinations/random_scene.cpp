@@ -191,8 +191,9 @@ class SceneDraw {
     SensorDesc sensor;
     if (one_in(2)) sensor.parent = static_cast<int>(below(scene.bodies.size()));
     sensor.kind =
-        one_of<SensorKind>({SensorKind::scanner, SensorKind::scanner, SensorKind::camera, SensorKind::camera,
-                            SensorKind::stereo_camera, SensorKind::range, SensorKind::keypoints, SensorKind::other});
+        one_of<SensorKind>({SensorKind::scanner, SensorKind::scanner, SensorKind::scanner, SensorKind::camera,
+                            SensorKind::camera, SensorKind::camera, SensorKind::stereo_camera, SensorKind::range,
+                            SensorKind::keypoints, SensorKind::imu, SensorKind::odometry, SensorKind::other});
     // It looks along x of FRAME, more or less.
     const Place look = place(0.2, 15);
     sensor.offset = place_in(scene, sensor.parent, look);
