@@ -36,7 +36,8 @@ TEST_CASE("flow before a wall is that of a thin lens by hand") {
     simulation.set("DRIVE", "y", 0.1);
     simulation.step(kFlowStep);
     const auto flow_at = [&](std::size_t pixel) {
-      const MeasuredArray& flow = *simulation.measurement("CAM").find("flow_backward");
+      const Measurement measurement = simulation.measurement("CAM");
+      const MeasuredArray& flow = *measurement.find("flow_backward");
       return glm::dvec2(flow.number(2 * pixel), flow.number(2 * pixel + 1));
     };
     int wall = 0, sky = 0;
