@@ -73,8 +73,8 @@ struct CameraMoment {
   void archive(StateArchive& state, const std::shared_ptr<const KeptScene>& known);
 };
 
-/// Searches the rows at whose height a point is when they are taken. They lie between rows before which the point is
-/// lower than they are, and rows behind which it is higher.
+/// Searches the rows that meet a point: the point is at their height in the image when they are taken. Each step leaves
+/// out the rows on one side of those that were tried, so the search ends.
 class RowSearch {
  public:
   /// Begins with rows of the moment, which must outlive the search.
@@ -82,9 +82,10 @@ class RowSearch {
 
   /// In CameraMoment::rows.
   std::size_t rows() const { return rows_; }
-  /// Takes the height of the point when rows() are taken. Returns whether others must be tried.
+  /// Takes the height of the point at the time of rows(), in pixels from the top. Returns whether rows() has changed
+  /// and must be tried.
   bool next(double y_px);
-  /// Whether the last height was that of rows(). Otherwise the point passes between them and the rows beside them.
+  /// Returns whether rows() meet the point. If they do not when the search ends, the point passes between two rows.
   bool is_met() const { return is_met_; }
 
  private:

@@ -22,7 +22,7 @@ double side(const glm::dvec3& line, const glm::dvec2& place) { return line.x * p
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Whether two bounds have more than a border in common.
+// Returns whether two boxes overlap. Boxes that only touch do not.
 bool overlap(const auto& a, const auto& b) {
   return a.low.x < b.high.x && a.low.y < b.high.y && a.high.x > b.low.x && a.high.y > b.low.y;
 }
@@ -109,7 +109,7 @@ VisibleFaces::Polygon VisibleFaces::cut(const Polygon& polygon, const glm::dvec3
   return place(polygon, line) == Place::inside ? polygon : kept_part(polygon, 1);
 }
 
-// Sets sides_ to those of the corners.
+// Sets sides_ to the sides of the corners.
 VisibleFaces::Place VisibleFaces::place(const Polygon& polygon, const glm::dvec3& line) {
   sides_.resize(polygon.count);
   double least = INFINITY, most = -INFINITY;
@@ -122,7 +122,7 @@ VisibleFaces::Place VisibleFaces::place(const Polygon& polygon, const glm::dvec3
   return most <= 0 ? Place::outside : Place::across;
 }
 
-// The part of the polygon of place() whose sides have this sign, as new points.
+// Returns the part of the polygon of the last place() where sides_ has this sign, as new points.
 VisibleFaces::Polygon VisibleFaces::kept_part(const Polygon& polygon, double sign) {
   Polygon kept{points_.size(), 0};
   for (std::size_t i = 0; i < polygon.count; ++i) {

@@ -59,7 +59,7 @@ class VisibleFaces {
     double area = 0;
     glm::dvec2 moment{0};
   };
-  /// Where a polygon is, seen from a line.
+  /// The side of a line on which a polygon lies.
   enum class Place { inside, outside, across };
   Place place(const Polygon& polygon, const glm::dvec3& line);
   Polygon kept_part(const Polygon& polygon, double sign);
@@ -73,7 +73,7 @@ class VisibleFaces {
   bool hides(const Face& face, const Face& other, std::size_t order, std::size_t other_order, Polygon& hidden);
   void subtract(const Polygon& hidden);
   bool subtract(const Polygon& hidden, const Piece& whole);
-  /// Of the tree over the bounds of all faces.
+  /// A node of the tree of the boxes around all faces. Its children follow it.
   struct Node {
     glm::dvec2 low{0}, high{0};
     std::size_t first = 0, end = 0;  // in in_tree_

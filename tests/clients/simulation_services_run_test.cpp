@@ -47,8 +47,8 @@ Strings lines_of(const std::string& text) {
   return lines;
 }
 
-/// What control_run.py has asked for: CHAIR stands at 2 m for two frames, CART is deleted for the last one, and no
-/// frame shows it where it was put in between.
+/// Checks that the recording shows what control_run.py did. CHAIR stands at 2 m for two frames. CART is missing in the
+/// last frame, and no frame shows it where set_entity_state put it.
 void check_recorded_drive(const std::filesystem::path& file) {
   constexpr double kHalf_m = 0.5;              // of the size of each box
   constexpr double kRounding_m = 8 * 0x1p-23;  // of a float32 below 8 m

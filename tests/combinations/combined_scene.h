@@ -107,7 +107,7 @@ struct SensorDesc {
   std::string other{};     ///< attributes of another sensor, with its type
 };
 
-/// Whether a list of words, such as outputs, has this one.
+/// Returns whether a word is in a list of words, such as `outputs`.
 bool has_word(const std::string& words, const std::string& word);
 
 /// What a scene is compared with, besides the oracle.
@@ -143,8 +143,8 @@ struct Setting {
 };
 std::vector<Setting> settings_of(const CombinedScene& scene, std::size_t frame);
 
-/// Whether a body has kManyHeights. Where it moves, an event camera would have to look at hundreds of thousands of
-/// edges that come into one pixel.
+/// Returns whether a body has kManyHeights. An event camera looks at each moving edge that comes into a pixel, and such
+/// a body has hundreds of thousands of edges.
 bool has_many_heights(const CombinedScene& scene);
 
 /// The scene after its relation: everything moved, twice as large, mirrored, or

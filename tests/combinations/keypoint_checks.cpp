@@ -12,6 +12,10 @@ namespace {
 
 using Place = glm::vec<2, Real>;
 
+// A range that is so many roundings from a limit, and a direction that is so many from an edge, are certain. Each is
+// the difference of two places, which both programs round.
+constexpr Real kCertain = 8;
+
 /// A point where it is at one time.
 struct PointThen {
   Real share = 1;
@@ -111,17 +115,17 @@ class PointComparison {
     const Real range = glm::length(point.at_m);
     const Vector direction = point.at_m / range;
     const Real near = rays_.near_m(ViewRays::optical_of_sensor(direction));
-    if (std::abs(range - near) < 8 * point.rounding_m) return std::nullopt;
+    if (std::abs(range - near) < kCertain * point.rounding_m) return std::nullopt;
     if (range < near) return false;
     const auto outcome = [&](const Vector& towards) -> std::optional<bool> {
       const auto hits = rays_.surfaces(point.eye.at, point.eye.turn * towards, point.share);
       const ExactHit first = first_of(with_.scene, hits, rays_.seen(), near);
       const Real free_m = first.range_m - (range - desc_.radius_m);
-      if (std::abs(free_m) < 8 * (point.rounding_m + with_.rounding_m(first))) return std::nullopt;
+      if (std::abs(free_m) < kCertain * (point.rounding_m + with_.rounding_m(first))) return std::nullopt;
       return free_m > 0;
     };
     std::optional<bool> visible = outcome(direction);
-    const Real spread = 8 * (point.rounding_m / range + kDoubles);
+    const Real spread = kCertain * (point.rounding_m / range + kDoubles);
     const Vector across =
         glm::normalize(glm::cross(direction, std::abs(direction.x) < Real(0.5L) ? Vector(1, 0, 0) : Vector(0, 1, 0)));
     const Vector up = glm::cross(direction, across);
